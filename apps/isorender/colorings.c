@@ -20,6 +20,7 @@ typedef struct color_source {
     bool has_volume;
     double isovalue; /* of a volume that distances are from */
     iso_distance *distance;
+    iso_vertex_values vertices; /* of a file of such numbers */
     iso_color_table table;
     bool ranged; /* its range is known: given, or that of the first thing that it colours */
     iso_color_bar bar;
@@ -29,9 +30,15 @@ typedef struct color_source {
 typedef struct isorender_colorings {
     color_source sources[ISORENDER_COLORINGS];
     int count;
+    iso_vertex_field *fields[ISO_CUT_THINGS]; /* by number of the thing: of numbers of vertices */
     iso_coloring *things; /* by number of the surface, then of the object; NULL: not made */
     int *source_of;       /* the same: the place in `sources`; -1: in its own colour */
 } isorender_colorings;
+
+/* Whether its colours stand for no numbers that a bar could show. */
+static bool has_own_colors(const color_source *source) {
+    return source->settings->source == ISO_COLOR_BY_NORMAL || source->vertices.colors;
+}
 
 /* ---- options */
 
@@ -103,6 +110,13 @@ static bool is_mesh(const isorender_coloring_settings *settings) {
                ISO_HOLDS_MESH;
 }
 
+/* Whether the file has numbers of a mesh's vertices. */
+static bool is_vertices(const isorender_coloring_settings *settings) {
+    const unsigned holds = ISO_HOLDS_VOLUME | ISO_HOLDS_VALUES;
+    return settings->source == ISO_COLOR_BY_VOLUME && !iso_loader_is_scene(settings->path) &&
+           iso_file_type_holds(iso_file_type_find(settings->path, holds)) & ISO_HOLDS_VALUES;
+}
+
 static iso_status open_source(isorender_job *job, color_source *source, iso_error *error) {
     const isorender_coloring_settings *settings = source->settings;
     const bool distance = settings->source == ISO_COLOR_BY_DISTANCE;
@@ -112,6 +126,10 @@ static iso_status open_source(isorender_job *job, color_source *source, iso_erro
         return settings->rest[0]
                    ? iso_fail(error, ISO_ERR_USAGE, "a mesh has no isovalue: %s", settings->text)
                    : ISO_OK;
+    }
+    if (is_vertices(settings)) {
+        iso_file_set_read(job->plan->files, settings->path);
+        return ISO_OK;
     }
     source->input = (iso_input){.max_memory = job->settings->common.input.max_memory,
                                 .grid = distance || !settings->rest[0] ? NULL : settings->rest};
@@ -179,7 +197,13 @@ static iso_status read_volume(const isorender_job *job, color_source *source, is
 }
 
 static iso_status read_source(const isorender_job *job, color_source *source, iso_error *error) {
+    const isorender_coloring_settings *settings = source->settings;
     if (source->has_volume) return read_volume(job, source, error);
+    if (is_vertices(settings)) {
+        iso_vertex_values_free(&source->vertices);
+        return iso_vertex_values_read(settings->path, settings->rest[0] ? settings->rest : NULL,
+                                      &source->vertices, error);
+    }
     return source->settings->path[0] ? read_mesh_distance(source, error) : ISO_OK;
 }
 
@@ -230,9 +254,11 @@ void isorender_colorings_free(isorender_job *job) {
     for (int i = 0; all && i < all->count; i++) {
         color_source *source = &all->sources[i];
         iso_distance_destroy(source->distance);
+        iso_vertex_values_free(&source->vertices);
         iso_color_table_free(&source->table);
         if (source->has_volume) iso_loader_close(&source->loader);
     }
+    for (int i = 0; all && i < ISO_CUT_THINGS; i++) iso_vertex_field_destroy(all->fields[i]);
     if (all) free(all->things);
     if (all) free(all->source_of);
     free(all);
@@ -248,7 +274,9 @@ static bool is_surface(const isorender_job *job, int thing) {
 /* Why a thing cannot be coloured; NULL: it can be. */
 static const char *reason_against(const isorender_job *job, const color_source *source, int thing) {
     if (is_surface(job, thing))
-        return job->surfaces[thing].loader->has_points ? "it is points: --color-by colours them" : NULL;
+        return job->surfaces[thing].loader->has_points ? "it is points: --color-by colours them"
+               : source->vertices.values               ? "it has no vertices, as a mesh of --surface has"
+                                                       : NULL;
     const isorender_object *object = &job->objects[thing - job->surface_count];
     if (object->settings->kind != ISORENDER_MESH || object->scene.shapes)
         return "it is lines or glyphs: --color-by colours them";
@@ -336,17 +364,15 @@ static iso_status find_range(isorender_job *job, int thing, const iso_view *view
 /* Says where there is nothing to be coloured by, and what the ranges are. */
 static void log_source(const isorender_job *job, const color_source *source) {
     const char *text = source->settings->text;
-    if (source->settings->source == ISO_COLOR_BY_NORMAL) return;
+    if (has_own_colors(source)) return;
     if (source->points && !source->found)
         isorender_log(
-            job, "note: --surface-color-by %s: the volume has no values where the surface is: it is gray",
-            text);
+            job, "note: --surface-color-by %s: there are no values where the surface is: it is gray", text);
     else if (source->found < source->points)
-        isorender_log(
-            job,
-            "note: --surface-color-by %s: %.3g %% of the surface lies outside the volume, or where it "
-            "is not finite: gray",
-            text, 100 - 100.0 * (double)source->found / (double)source->points);
+        isorender_log(job,
+                      "note: --surface-color-by %s: %.3g %% of the surface lies outside the volume, or where "
+                      "there are no finite values: gray",
+                      text, 100 - 100.0 * (double)source->found / (double)source->points);
     if (isnan(source->settings->range[0]) && source->ranged && !(source->bar.high > source->bar.low))
         isorender_log(job, "note: --surface-color-by %s: it is %g everywhere on the surface", text,
                       source->bar.low);
@@ -356,10 +382,27 @@ static void log_source(const isorender_job *job, const color_source *source) {
                       iso_color_source_is_signed(source->settings->source) ? ", on both sides of 0" : "");
 }
 
+/* The numbers of a mesh's vertices on the mesh. */
+static iso_status make_field(isorender_job *job, const color_source *source, int thing, iso_error *error) {
+    const isorender_object *object = &job->objects[thing - job->surface_count];
+    const iso_vertex_values *given = &source->vertices;
+    iso_vertex_field **field = &job->colorings->fields[thing];
+    if (given->count != object->mesh.vertex_count)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: has numbers of %zu vertices: %s has %zu",
+                        source->settings->path, given->count, object->settings->path,
+                        object->mesh.vertex_count);
+    iso_vertex_field_destroy(*field);
+    *field = NULL;
+    return iso_vertex_field_create(&object->mesh, given->values, (const uint8_t(*)[3])given->colors, field,
+                                   error);
+}
+
 static iso_coloring make_coloring(const isorender_job *job, const color_source *source, int thing) {
     iso_coloring coloring = {
         .source = source->settings->source, .distance = source->distance, .bar = source->bar};
-    if (coloring.source == ISO_COLOR_BY_VOLUME) iso_coloring_set_grid(&coloring, &source->loader.volume.grid);
+    coloring.vertices = source->vertices.values ? job->colorings->fields[thing] : NULL;
+    if (source->has_volume && coloring.source == ISO_COLOR_BY_VOLUME)
+        iso_coloring_set_grid(&coloring, &source->loader.volume.grid);
     if (coloring.source == ISO_COLOR_BY_CURVATURE)
         iso_coloring_set_grid(&coloring, &job->surfaces[thing].scene.grid);
     return coloring;
@@ -394,6 +437,7 @@ iso_status isorender_colorings_make(isorender_job *job, iso_error *error) {
     for (int i = 0; i < things; i++) {
         if (all->source_of[i] < 0) continue;
         const color_source *source = &all->sources[all->source_of[i]];
+        if (source->vertices.values) ISO_TRY(make_field(job, source, i, error));
         all->things[i] = make_coloring(job, source, i);
         if (source->settings->source != ISO_COLOR_BY_DEPTH) ISO_TRY(find_range(job, i, NULL, error));
         if (is_surface(job, i))
@@ -435,8 +479,7 @@ iso_status isorender_colorings_export(const isorender_job *job, const isorender_
 int isorender_colorings_bars(const isorender_job *job, iso_color_bar bars[ISORENDER_COLORINGS]) {
     int count = 0;
     for (int i = 0; job->colorings && i < job->colorings->count; i++)
-        if (job->colorings->sources[i].settings->source != ISO_COLOR_BY_NORMAL)
-            bars[count++] = job->colorings->sources[i].bar;
+        if (!has_own_colors(&job->colorings->sources[i])) bars[count++] = job->colorings->sources[i].bar;
     return count;
 }
 
@@ -448,11 +491,11 @@ void isorender_colorings_report(iso_json *json, const isorender_job *job) {
         const color_source *source = &job->colorings->sources[i];
         const isorender_coloring_settings *settings = source->settings;
         iso_json_begin_object(json, NULL);
-        iso_json_string(json, "by", names[settings->source]);
+        iso_json_string(json, "by", source->vertices.values ? "vertices" : names[settings->source]);
         if (settings->path[0]) iso_json_string(json, "path", settings->path);
         if (source->has_volume) iso_json_string(json, "name", source->loader.volume.info.name);
         if (source->has_volume && source->distance) iso_json_real(json, "isovalue", source->isovalue);
-        if (settings->source != ISO_COLOR_BY_NORMAL) {
+        if (!has_own_colors(source)) {
             const double range[2] = {source->bar.low, source->bar.high};
             iso_json_reals(json, "range", range, 2);
             iso_json_string(json, "colormap",

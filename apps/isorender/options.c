@@ -419,9 +419,9 @@ static const iso_option options[] = {
      "alone with --opacity 0",
      .group = SURFACE, CALL(isorender_apply_slice), .flags = ISO_OPTION_REPEATABLE},
     {"surface-color-by", NULL, "WHAT",
-     "colour isosurfaces, and meshes, pixel by pixel by a volume (FILE or FILE:ARRAY; gray where it has no "
-     "values), curvature, distance:FILE (from its surface, in mm, below 0 inside; distance:FILE:ISOVALUE), "
-     "depth or normal; @N,.. behind it: only certain surfaces",
+     "colour isosurfaces, and meshes, by a volume (FILE or FILE:ARRAY; gray where it has no values), a "
+     "mesh's numbers (lh.curv, lh.annot, .func.gii), curvature, distance:FILE (from its surface, in mm, "
+     "below 0 inside; distance:FILE:ISOVALUE), depth or normal; @N,.. behind it: only certain surfaces",
      .group = SURFACE, CALL(isorender_apply_surface_color_by),
      .flags = ISO_OPTION_REPEATABLE | ISO_OPTION_READS_PART},
     {"window", NULL, "CENTER,WIDTH", "the values that caps and slices show, from black to white",

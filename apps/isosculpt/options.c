@@ -34,6 +34,18 @@ static iso_status apply_close_holes(void *target, const char *value, iso_error *
     return ISO_OK;
 }
 
+#define STROKE_EDIT(name, kind)                                                                              \
+    static iso_status apply_##name(void *target, const char *value, iso_error *error) {                      \
+        return isosculpt_edits_add(&((isosculpt_settings *)target)->edits, ISO_EVENT_##kind, value, error);  \
+    }
+STROKE_EDIT(edit, EDIT)
+STROKE_EDIT(delete, DELETE)
+STROKE_EDIT(mute, MUTE)
+STROKE_EDIT(unmute, UNMUTE)
+STROKE_EDIT(move, MOVE)
+STROKE_EDIT(group, GROUP)
+#undef STROKE_EDIT
+
 static const char *const backends[] = {"auto", "cpu", "gl", NULL};
 static const char *const x_rays[] = {"off", "under", "over", NULL};
 static const char *const spaces[] = {"file", "lps", "ras", NULL}; /* iso_space */
@@ -44,6 +56,24 @@ static const iso_option options[] = {
     {"recover", NULL, NULL, "continue the last session that was not closed", .group = SESSION,
      .kind = ISO_OPTION_FLAG, AT(recover)},
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
+    {"edit", NULL, "STROKES:KEY=VALUE,...",
+     "before the result is written, give strokes of --replay another brush; STROKES is a number or two (12 "
+     "or "
+     "30-40, counted from 1 as they begin), KEY is tool, shape, falloff, radius, strength, aspect, blend, "
+     "spacing, symmetry (xz), pressure-radius or pressure-strength (on); these edits are made in the order "
+     "in "
+     "which they are given",
+     .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_edit, .flags = ISO_OPTION_REPEATABLE},
+    {"delete", NULL, "STROKES", "remove strokes", .group = SESSION, .kind = ISO_OPTION_CALL,
+     .apply = apply_delete, .flags = ISO_OPTION_REPEATABLE},
+    {"mute", NULL, "STROKES", "leave strokes out, until --unmute brings them back", .group = SESSION,
+     .kind = ISO_OPTION_CALL, .apply = apply_mute, .flags = ISO_OPTION_REPEATABLE},
+    {"unmute", NULL, "STROKES", "draw muted strokes again", .group = SESSION, .kind = ISO_OPTION_CALL,
+     .apply = apply_unmute, .flags = ISO_OPTION_REPEATABLE},
+    {"move", NULL, "STROKES:N", "draw strokes before stroke N, or after all others (end)", .group = SESSION,
+     .kind = ISO_OPTION_CALL, .apply = apply_move, .flags = ISO_OPTION_REPEATABLE},
+    {"group", NULL, "STROKES:NAME", "give strokes the name of a group, which the list of --json shows",
+     .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_group, .flags = ISO_OPTION_REPEATABLE},
     {"open", NULL, "FILE",
      "begin with a level set (.vdb), a mesh ({meshes}), lines as tubes ({lines}), points without faces "
      "({points}), whose holes are closed, a volume, or a scene ({scenes})",
@@ -84,6 +114,9 @@ static const iso_option options[] = {
      "the solid ends at the border of the grid and is capped there, so that the meshes that are written are "
      "closed",
      .group = OUTPUT, .kind = ISO_OPTION_FLAG, AT(closed)},
+    {"save-strokes", NULL, "FILE",
+     "write the strokes of --replay with the edits as a stroke file (.strokes), in which these can be undone",
+     .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(save_strokes)},
     {"json", NULL, "FILE", "say what was done as JSON, to standard output without a file", .group = OUTPUT,
      .kind = ISO_OPTION_CALL, .apply = iso_settings_apply_json, .extension = ".json",
      .flags = ISO_OPTION_VALUE_OPTIONAL},
@@ -137,6 +170,7 @@ static const char *const example_text[] = {
     "isosculpt                    # a new ball",
     "isosculpt bear.strokes       # goes on where the file ends",
     "isosculpt --replay bear.strokes --headless --output bear.vdb",
+    "isosculpt --replay bear.strokes --headless --edit 12:radius=4 --mute 20-24 --output bear.vdb",
     "isosculpt head.nrrd --isovalue 1150",
     "isosculpt bear.strokes --stamp star.stl",
     "isosculpt --open teapot.stl --headless --voxel-size 0.5 --output teapot.vdb",
@@ -201,6 +235,8 @@ static iso_status check_window(isosculpt_settings *settings, const iso_operands 
         settings->extract || settings->draw)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--replay, --output, --mesh, --json, --extract and --draw need --headless");
+    if (settings->edits.count || settings->save_strokes)
+        return iso_fail(error, ISO_ERR_USAGE, "edits of strokes by options need --replay and --headless");
     if (operands->count + (settings->open != NULL) + (settings->recover != 0) > 1)
         return iso_fail(error, ISO_ERR_USAGE, "one session at a time: '%s' is too many",
                         operands->count ? operands->values[operands->count - 1] : settings->open);
@@ -250,6 +286,10 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
                         operands->values[0]);
     if (!settings->replay && !settings->open)
         return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE or --open FILE");
+    if ((settings->edits.count || settings->save_strokes) && !settings->replay)
+        return iso_fail(error, ISO_ERR_USAGE, "edits of strokes, and --save-strokes, need --replay");
+    if (settings->save_strokes && !is_type(settings->save_strokes, ISO_HOLDS_STROKES))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: strokes are written as .strokes", settings->save_strokes);
     if (settings->stamp)
         return iso_fail(error, ISO_ERR_USAGE, "--stamp is for a window: strokes hold their stamps");
     if ((settings->x_ray || settings->references.count) && !settings->draw)

@@ -35,7 +35,10 @@ typedef struct report {
     size_t strokes, samples, undone;
     iso_edit_stats edits;
     times edit, extract, draw, step; /* step: everything that a sample takes */
-    double total;                    /* seconds */
+    times stroke_edit;               /* edits of past strokes */
+    iso_versions_stats versions;
+    iso_stroke_list list; /* owned; of strokes, as they are in the result */
+    double total;         /* seconds */
     size_t bricks, bytes, points;
     iso_components_totals parts; /* of the opened file; zero unless parts could be dropped */
     const char *mesh_path;       /* of the mesh that was written; NULL: none */
@@ -61,6 +64,8 @@ static void free_times(report *r) {
     free(r->extract.seconds);
     free(r->draw.seconds);
     free(r->step.seconds);
+    free(r->stroke_edit.seconds);
+    iso_stroke_list_free(&r->list);
     free(r->label);
 }
 
@@ -144,8 +149,10 @@ typedef struct player {
     iso_session *session;
     iso_point_set *points;
     isosculpt_viewport *viewport; /* NULL: nothing is drawn */
-    const char *written[2];       /* outputs written so far */
-    iso_grid first;               /* owned; the field before any stroke, if the output is a segmentation */
+    const char *written[3];       /* outputs written so far */
+    iso_buffer events;            /* iso_event: the edits of the command line */
+    size_t event_count;
+    iso_grid first; /* owned; the field before any stroke, if the output is a segmentation */
 } player;
 
 static iso_status extract_timed(player *p, iso_error *error) {
@@ -200,6 +207,45 @@ static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *err
                                     error); /* for a file that ends within a stroke */
 }
 
+/* ---- edits of strokes */
+
+static iso_status edit_timed(player *p, const iso_event *event, iso_buffer *events, size_t *count,
+                             iso_error *error) {
+    const double start = iso_clock_seconds();
+    ISO_TRY(iso_session_edit(p->session, event, error));
+    ISO_TRY(add_time(&p->report->stroke_edit, iso_clock_seconds() - start, error));
+    const size_t bytes = *count * sizeof *event;
+    ISO_TRY(iso_buffer_reserve(events, bytes + sizeof *event, bytes, error));
+    ((iso_event *)events->data)[(*count)++] = *event;
+    return ISO_OK;
+}
+
+/* Makes an edit of the command line: --edit of each stroke in its range. */
+static iso_status make_edit(player *p, const isosculpt_edit *edit, iso_buffer *events, size_t *count,
+                            iso_error *error) {
+    iso_stroke_list list = {.count = 0};
+    iso_event event;
+    size_t found = 0;
+    iso_status status = iso_session_strokes(p->session, &list, error);
+    for (size_t i = 0; status == ISO_OK && edit->kind == ISO_EVENT_EDIT && i < list.count; i++) {
+        const iso_stroke *stroke = iso_stroke_at(&list, i);
+        if (stroke->number < edit->first || stroke->number > edit->last) continue;
+        found++;
+        status = isosculpt_edit_event(edit, stroke, &event, error);
+        if (status == ISO_OK) status = edit_timed(p, &event, events, count, error);
+        if (status == ISO_OK) status = iso_session_strokes(p->session, &list, error);
+    }
+    if (status == ISO_OK && !found) { /* (--edit of no stroke is refused) */
+        status = isosculpt_edit_event(edit, &(iso_stroke){.number = edit->first, .brush = {.radius = 1}},
+                                      &event, error);
+        if (status == ISO_OK) status = edit_timed(p, &event, events, count, error);
+    }
+    iso_stroke_list_free(&list);
+    if (status == ISO_OK || !error) return status;
+    const iso_error why = *error;
+    return iso_fail(error, status, "%s: strokes %s: %s", p->settings->replay, edit->text, why.text);
+}
+
 /* ---- the report */
 
 static void put_times(iso_json *json, const char *key, const times *list) {
@@ -245,6 +291,23 @@ static void put_label(iso_json *json, const report *r) {
     iso_json_end_object(json);
 }
 
+/* Writes the strokes of the result, in the order in which they are drawn. */
+static void put_strokes(iso_json *json, const report *r) {
+    iso_json_begin_array(json, "stroke_list");
+    for (size_t i = 0; i < r->list.count; i++) {
+        const iso_stroke *stroke = iso_stroke_at(&r->list, i);
+        iso_json_begin_object(json, NULL);
+        iso_json_integer(json, "stroke", stroke->number);
+        iso_json_string(json, "tool", iso_tool_name(stroke->brush.tool));
+        iso_json_real(json, "radius", stroke->brush.radius);
+        iso_json_integer(json, "samples", stroke->count);
+        iso_json_bool(json, "muted", stroke->muted);
+        if (stroke->group[0]) iso_json_string(json, "group", stroke->group);
+        iso_json_end_object(json);
+    }
+    iso_json_end_array(json);
+}
+
 static void put_report(iso_json *json, const isosculpt_settings *settings, const report *r) {
     iso_json_begin_object(json, NULL);
     iso_json_string(json, "schema", "isosculpt/1");
@@ -260,6 +323,9 @@ static void put_report(iso_json *json, const isosculpt_settings *settings, const
     iso_json_integer(json, "strokes", r->strokes);
     iso_json_integer(json, "samples", r->samples);
     iso_json_integer(json, "undone", r->undone);
+    if (settings->replay) put_strokes(json, r);
+    if (r->versions.strokes) iso_json_integer(json, "strokes_drawn_again", r->versions.drawn);
+    if (r->versions.strokes) iso_json_integer(json, "version_bytes", r->versions.bytes);
     iso_json_integer(json, "cells_edited", r->edits.edited);
     iso_json_integer(json, "cells_redistanced", r->edits.redistanced);
     iso_json_integer(json, "cells_created", r->edits.created);
@@ -276,6 +342,7 @@ static void put_report(iso_json *json, const isosculpt_settings *settings, const
     put_times(json, "extract", &r->extract);
     put_times(json, "draw", &r->draw);
     put_times(json, "step", &r->step);
+    put_times(json, "stroke_edit", &r->stroke_edit);
     iso_json_end_object(json);
     iso_json_end_object(json);
 }
@@ -354,18 +421,23 @@ static iso_status write_outputs(player *p, iso_error *error) {
     p->written[0] = output;
     if (settings->mesh) ISO_TRY(write_mesh(p, settings->mesh, error));
     p->written[1] = settings->mesh;
+    if (settings->save_strokes)
+        ISO_TRY(iso_journal_rewrite(settings->replay, p->events.data, p->event_count, settings->save_strokes,
+                                    error));
+    p->written[2] = settings->save_strokes;
     return settings->common.json ? write_report(settings, p->report, error) : ISO_OK;
 }
 
 /* Checks, before the work begins, whether all outputs can be written. */
 static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set *files,
                                 const iso_journal_start *start, iso_error *error) {
-    const char *const outputs[] = {settings->output, settings->mesh, settings->common.json_path};
+    const char *const outputs[] = {settings->output, settings->mesh, settings->common.json_path,
+                                   settings->save_strokes};
     for (int i = 0; i < settings->references.count; i++)
         iso_file_set_read(files, settings->references.values[i]);
-    for (int i = 0; i < 3; i++) iso_file_set_write(files, outputs[i]);
+    for (int i = 0; i < 4; i++) iso_file_set_write(files, outputs[i]);
     ISO_TRY(iso_file_set_check(files, error));
-    for (int i = 0; i < 3; i++) ISO_TRY(iso_sink_check(outputs[i], error));
+    for (int i = 0; i < 4; i++) ISO_TRY(iso_sink_check(outputs[i], error));
     return writes_label(settings)
                ? iso_source_label_check(strokes_of(settings), start, settings->output, error)
                : ISO_OK;
@@ -432,9 +504,9 @@ static void log_outputs(const player *p) {
     const iso_program *program = isosculpt_program();
     const char *input = input_name(p->settings);
     if (p->settings->common.quiet) return;
-    if (!p->written[0] && !p->written[1] && !p->settings->common.json)
+    if (!p->written[0] && !p->written[1] && !p->written[2] && !p->settings->common.json)
         iso_program_log(program, "%s: note: nothing is written: --output or --mesh names a file", input);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         const char *path = p->written[i];
         if (path && path == p->report->mesh_path)
             iso_program_log(program, "%s: wrote %s: %zu triangles", input, path, p->report->mesh.triangles);
@@ -453,12 +525,16 @@ static iso_status play_and_write(player *p, iso_journal_reader *reader, iso_erro
     ISO_TRY(prepare(p, error));
     double start = iso_clock_seconds();
     if (reader) ISO_TRY(play_all(p, reader, error));
+    for (int i = 0; i < p->settings->edits.count; i++)
+        ISO_TRY(make_edit(p, &p->settings->edits.edit[i], &p->events, &p->event_count, error));
+    if (reader) ISO_TRY(iso_session_strokes(p->session, &p->report->list, error));
+    p->report->versions = iso_session_edit_stats(p->session);
     p->report->total = iso_clock_seconds() - start;
     const iso_hgrid *grid = iso_session_grid(p->session);
     p->report->bricks = iso_hgrid_brick_count(grid);
     p->report->bytes = iso_hgrid_bytes(grid);
     iso_status status = write_outputs(p, error);
-    for (int i = 0; status != ISO_OK && i < 2; i++) iso_file_remove(p->written[i]); /* all outputs or none */
+    for (int i = 0; status != ISO_OK && i < 3; i++) iso_file_remove(p->written[i]); /* all outputs or none */
     ISO_TRY(status);
     if (!p->settings->common.quiet && p->report->edits.clipped)
         iso_program_log(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
@@ -495,6 +571,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     iso_grid_destroy(&p.first);
     isosculpt_viewport_free(&viewport);
     iso_session_destroy(p.session);
+    iso_buffer_free(&p.events);
     iso_journal_reader_free(reader);
     free_times(&r);
     return status;

@@ -203,6 +203,7 @@ static iso_triangle_tree *create_tree(const iso_triangles *mesh) {
         for (size_t i = 0; i < tree->count; i++) {
             const uint32_t number = places[i].triangle;
             tree->triangles[i].reach = reaches[number];
+            tree->triangles[i].number = number;
             for (int k = 0; k < 3; k++)
                 memcpy(tree->triangles[i].corners[k], mesh->vertices[mesh->triangles[number][k]],
                        sizeof tree->triangles[i].corners[k]);

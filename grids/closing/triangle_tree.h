@@ -49,7 +49,8 @@ iso_vec3 iso_triangle_nearest(const float triangle[3][3], iso_vec3 p);
 
 typedef struct iso_tree_triangle {
     float corners[3][3];
-    float reach; /* grids/closing/triangle_reach.h */
+    float reach;     /* grids/closing/triangle_reach.h */
+    uint32_t number; /* of the triangle in the mesh */
 } iso_tree_triangle;
 
 /* The number of the tree's triangles, and one of them. */

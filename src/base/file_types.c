@@ -27,6 +27,7 @@ static const row ROWS_OF_TYPES[] = {
 #define WITHIN(bytes) {ANYWHERE, sizeof bytes - 1, bytes},
 #define VOLUME(x) | ISO_HOLDS_VOLUME
 #define MESH(x) | ISO_HOLDS_MESH
+#define VALUES(x) | ISO_HOLDS_VALUES
 #define LINES(x) | ISO_HOLDS_LINES
 #define GLYPHS(x) | ISO_HOLDS_GLYPHS
 #define POINTS | ISO_HOLDS_POINTS
@@ -104,13 +105,14 @@ iso_file_type iso_file_type_find(const char *path, unsigned holds) {
 }
 
 void iso_file_type_extensions(unsigned holds, unsigned without, const char *last, char *text, size_t room) {
-    const char *words[128];
+    enum { MOST = 256 };
+    const char *words[MOST];
     char extension[ISO_FILE_EXTENSION];
-    int lengths[128], count = 0;
+    int lengths[MOST], count = 0;
     for (int type = 0; type < ISO_FILE_TYPES; type++) {
         const char *at = ROWS_OF_TYPES[type].extensions, *word = at;
         if (!(ROWS_OF_TYPES[type].holds & holds) || ROWS_OF_TYPES[type].holds & without) continue;
-        for (bool more = true; more && count < 128 && next_extension(&at, extension); word = at) {
+        for (bool more = true; more && count < MOST && next_extension(&at, extension); word = at) {
             words[count] = word;
             lengths[count++] = (int)strlen(extension);
             more = !last;

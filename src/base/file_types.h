@@ -37,7 +37,8 @@ enum {
     ISO_WRITES_CHANNELS = 1 << 14,
     ISO_WRITES_REPORT = 1 << 15,
     ISO_WRITES_VIDEO = 1 << 16,
-    ISO_WRITES_PAGE = 1 << 17
+    ISO_WRITES_PAGE = 1 << 17,
+    ISO_HOLDS_VALUES = 1 << 18 /* numbers or colours of a mesh's vertices */
 };
 
 /* How many bytes of a file tell its type. */

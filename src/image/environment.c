@@ -7,10 +7,10 @@
 
 #include "base/file_types.h"
 #include "base/memory.h"
+#include "base/srgb.h"
 #include "image/camera.h"
 #include "image/exr.h"
 #include "image/image.h"
-#include "base/srgb.h"
 
 struct iso_environment {
     iso_float_image picture;

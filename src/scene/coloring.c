@@ -23,8 +23,10 @@ static double volume_at(const iso_coloring *c, iso_vec3 place) {
 }
 
 double iso_coloring_number(const iso_coloring *c, const iso_colored_point *point, size_t *near) {
+    iso_rgb color;
     switch (c->source) {
     case ISO_COLOR_BY_VOLUME:
+        if (c->vertices) return iso_vertex_field_at(c->vertices, point->place, near, &color);
         return volume_at(c, point->place);
     case ISO_COLOR_BY_CURVATURE:
         return iso_grid_mean_curvature(&c->grid, &c->affine,
@@ -47,6 +49,12 @@ static uint8_t component(double normal) {
 /* iso_surface_colors.at. */
 static iso_rgb color_at(const void *context, const iso_colored_point *point, size_t *near) {
     const iso_coloring *c = context;
+    if (c->vertices) {
+        iso_rgb color;
+        const double number = iso_vertex_field_at(c->vertices, point->place, near, &color);
+        const bool own = iso_vertex_field_is_labels(c->vertices) && !isnan(number);
+        return own ? color : iso_color_bar_at(&c->bar, number);
+    }
     if (c->source == ISO_COLOR_BY_NORMAL)
         return (iso_rgb){component(point->normal.x), component(point->normal.y), component(point->normal.z)};
     return iso_color_bar_at(&c->bar, iso_coloring_number(c, point, near));

@@ -11,22 +11,24 @@
 #include "render/view/gbuffer.h"
 #include "render/view/surface_colors.h"
 #include "scene/surface.h"
+#include "scene/vertex_field.h"
 
 /* How a surface is coloured. */
 typedef struct iso_coloring {
     iso_color_source source;
-    iso_grid grid;                /* BY_VOLUME: that volume; BY_CURVATURE: the surface's; borrowed */
-    iso_affine affine;            /* of the grid: iso_coloring_set_grid */
-    const iso_distance *distance; /* BY_DISTANCE; borrowed */
-    iso_color_bar bar;            /* which colours stand for which numbers; not BY_NORMAL */
+    iso_grid grid;                    /* BY_VOLUME: that volume; BY_CURVATURE: the surface's; borrowed */
+    iso_affine affine;                /* of the grid: iso_coloring_set_grid */
+    const iso_vertex_field *vertices; /* BY_VOLUME: numbers of a mesh's vertices instead; borrowed */
+    const iso_distance *distance;     /* BY_DISTANCE; borrowed */
+    iso_color_bar bar;                /* which colours stand for which numbers; not BY_NORMAL */
 } iso_coloring;
 
 /* Sets the grid with its transform. */
 void iso_coloring_set_grid(iso_coloring *coloring, const iso_grid *grid);
 
 /* The number at a point. NaN, which is coloured in the neutral gray of iso_color_bar_at: BY_NORMAL; where
- * the volume is not finite, and outside of it, which is beyond half a voxel from its outermost voxels'
- * centres. near: as iso_surface_colors.at. Thread-safe. */
+ * the volume is not finite or a vertex has no number, and outside of the volume, which is beyond half a
+ * voxel from its outermost voxels' centres. near: as iso_surface_colors.at. Thread-safe. */
 double iso_coloring_number(const iso_coloring *coloring, const iso_colored_point *point, size_t *near);
 
 /* The colours of all points; borrows the coloring. */

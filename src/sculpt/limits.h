@@ -32,6 +32,7 @@
     X(NORMAL, "component of a normal", -1000, 1000, "")                                                      \
     X(PRESSURE, "pressure", 0, 1, "")                                                                        \
     X(SECONDS, "time", 0, 1e9, "s")                                                                          \
+    X(STROKE, "number of a stroke", 1, 1e9, "")                                                              \
     /* a stamp's fields: their longest side is 2 */                                                          \
     X(STAMP_DIMS, "stamp's number of voxels along an axis", 1, 1024, "")                                     \
     X(STAMP_SPACING, "stamp's voxel size", 1e-3, 1, "")                                                      \

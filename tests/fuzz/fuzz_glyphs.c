@@ -44,7 +44,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     int descriptor = memfd_create("fuzz_glyphs", 0);
     if (descriptor < 0 || write(descriptor, data + 1, size - 1) != (ssize_t)(size - 1)) abort();
     snprintf(memory, sizeof memory, "/proc/self/fd/%d", descriptor);
-    snprintf(path, sizeof path, "/tmp/fuzz_glyphs_%d.%s", (int)getpid(), suffixes[data[0] % 8]);
+    snprintf(path, sizeof path, "/tmp/fuzz_glyphs_%d.%s", (int)getpid(),
+             data[0] == 0x81 ? "cif" : suffixes[data[0] % 8]);
     unlink(path);
     if (symlink(memory, path)) abort(); /* (the name says what it is) */
     const int choice = data[0] / 8;

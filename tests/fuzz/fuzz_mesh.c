@@ -1,6 +1,6 @@
 /* fuzz: any bytes as a mesh: STL, OBJ, PLY, GIFTI or FreeSurfer's, by the first byte. What the reader
  * accepts must be sound and come back the same when it is written and read again; what it refuses must be
- * refused in one line that names the file. */
+ * refused in one line that names the file. GIFTI and FreeSurfer's are read as numbers of vertices as well. */
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -56,6 +56,25 @@ static int refuse_later(void *context, double fraction) {
     return --*left < 0;
 }
 
+/* The same bytes as numbers of vertices. */
+static void read_values(const char *memory, const char *suffix, const char *array) {
+    char path[64];
+    snprintf(path, sizeof path, "/tmp/fuzz_values_%d.%s", (int)getpid(), suffix);
+    unlink(path);
+    if (symlink(memory, path)) abort();
+    iso_vertex_values values;
+    iso_error error = {0};
+    if (iso_vertex_values_read(path, array, &values, &error) == ISO_OK) {
+        double sum = 0;
+        for (size_t i = 0; i < values.count; i++)
+            sum += (double)values.values[i] + (values.colors ? values.colors[i][2] : 0);
+        if (values.count == 0 || sum == 1e308) abort();
+        iso_vertex_values_free(&values);
+    } else if (!strstr(error.text, path) || strchr(error.text, '\n'))
+        abort();
+    unlink(path);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     static const char *const suffixes[] = {"stl", "obj", "ply", "gii", "pial"};
     if (size < 1) return 0;
@@ -78,6 +97,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     } else if (!strstr(error.text, path) || strchr(error.text, '\n'))
         abort(); /* every error is one line that names the file */
     unlink(path);
+    static const char *const arrays[] = {NULL, "1", "b"};
+    if (data[0] % 5 == 3) read_values(memory, "gii", arrays[data[0] / 5 % 3]);
+    if (data[0] % 5 == 4) read_values(memory, data[0] / 5 % 2 ? "curv" : "annot", NULL);
     close(descriptor);
     return 0;
 }

@@ -308,6 +308,14 @@ def make(programs, source, folder):
     for name in ("zlib.gii", "base64.gii", "freesurfer.pial"):
         with open(os.path.join(source, "tests/fuzz/corpus/mesh", name), "rb") as file:
             seeds.append(Seed("isorender mesh " + name, {"a." + name.rsplit(".", 1)[1]: file.read()[1:]}, "isorender --surface", picture))
+    flat = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n" \
+        b"property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+    data = b'<GIFTI Version="1.0"><LabelTable><Label Key="1" Red="1" Green="0.5" Blue="0" Alpha="1">a</Label></LabelTable>' \
+        b'<DataArray Intent="NIFTI_INTENT_LABEL" DataType="NIFTI_TYPE_INT32" Dim0="3" Encoding="ASCII"><MetaData><MD><Name>Name</Name>' \
+        b"<Value>b</Value></MD></MetaData><Data>1 2 1</Data></DataArray></GIFTI>"
+    for name, values in (("v.curv", b"\xff\xff\xff" + struct.pack(">3i3f", 3, 1, 1, 1, 2, 3)),
+                         ("v.annot", struct.pack(">8i", 3, 0, 255, 1, 65280, 2, 0, 0)), ("v.gii", data)):
+        seeds.append(Seed("isorender values " + name, {name: values, "a.ply": flat}, "isorender --surface-color-by", ["--surface", "a.ply"] + picture))
     for kind in ("stl", "ply", "obj"):
         mesh = written(programs, folder, "m." + kind, "isorender", "scene:sphere:16", "--no-image", "--mesh")
         seeds.append(Seed("isosculpt " + kind, {"a." + kind: mesh}, "isosculpt",

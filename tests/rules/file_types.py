@@ -38,7 +38,7 @@ def other_lists(root, known):
 
 def table(rows):
     """The lines of docs/formats.md that say which types hold what."""
-    kinds = (("volumes", "VOLUME"), ("meshes", "MESH"), ("lines", "LINES"), ("glyphs", "GLYPHS"), ("points on surfaces", "POINTS"),
+    kinds = (("volumes", "VOLUME"), ("meshes", "MESH"), ("numbers of vertices", "VALUES"), ("lines", "LINES"), ("glyphs", "GLYPHS"), ("points on surfaces", "POINTS"),
              ("strokes", "STROKES"), ("scenes", "SCENE"), ("key images", "KEYS"), ("pictures, written", "WRITE_IMAGE"), ("videos, written", "WRITE_VIDEO"),
              ("meshes, written", "WRITE_MESH"), ("points, written", "WRITE_POINTS"), ("level sets, written", "WRITE_VOLUME"),
              ("channels, written", "WRITE_CHANNELS"))

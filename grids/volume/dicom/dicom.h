@@ -2,8 +2,8 @@
  *
  * header.c reads the header of a file, folder.c those of a folder, stack.c orders image planes into a volume,
  * pixels.c reads pixels, codestream.c checks compressed ones, decode.cc (a module) decodes them with GDCM,
- * segmentation.c makes labels of segmentations (SEG), and format_dicom.c is the reader. Headers are not parsed by GDCM because it asserts on truncated or corrupt files, which would
- * end the program. */
+ * segmentation.c makes labels of segmentations (SEG), and format_dicom.c is the reader. Headers are not
+ * parsed by GDCM because it asserts on truncated or corrupt files, which would end the program. */
 #ifndef ISO_GRIDS_VOLUME_DICOM_DICOM_H
 #define ISO_GRIDS_VOLUME_DICOM_DICOM_H
 

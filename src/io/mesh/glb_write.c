@@ -9,8 +9,8 @@
 #include <string.h>
 
 #include "base/decimal_point.h"
-#include "base/text.h"
 #include "base/srgb.h"
+#include "base/text.h"
 #include "io/common/encode.h"
 #include "io/mesh/mesh_source.h"
 

@@ -9,6 +9,7 @@
 #include "io/common/fans.h"
 #include "io/common/ply.h"
 #include "io/common/rows.h"
+#include "io/mesh/mesh_read.h"
 
 /* The mesh that is being read. */
 typedef struct iso_mesh_reading {
@@ -44,7 +45,13 @@ iso_status iso_mesh_end_polygon(iso_mesh_reading *r, const iso_mesh_polygon *p, 
 /* Loads a text file, whose rows are then read from r->rows. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_NOMEM. */
 iso_status iso_mesh_load_rows(iso_mesh_reading *r, iso_error *error);
 
+/* Takes memory for `count` vertices, and for colours of all of them, which are 0. ISO_ERR_NOMEM. */
+iso_status iso_vertex_values_reserve(iso_vertex_values *values, size_t count, bool colors, iso_error *error);
+
 #define MESH(reader) iso_status iso_mesh_read_##reader(iso_mesh_reading *r, iso_error *error);
+#define VALUES(reader)                                                                                       \
+    iso_status iso_vertex_values_read_##reader(iso_mesh_reading *r, const char *array,                       \
+                                               iso_vertex_values *values, iso_error *error);
 #define FILE_TYPE(name, extensions, magic, handlers) handlers
 #include "base/file_types.inc"
 

@@ -15,6 +15,20 @@ iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_tri
                          iso_error *error);
 void iso_triangles_free(iso_triangles *mesh);
 
+/* Numbers of the vertices of a mesh, as a file of its own has them. */
+typedef struct iso_vertex_values {
+    float *values;        /* of labels their numbers; NaN: none */
+    uint8_t (*colors)[3]; /* of labels: red, green and blue, display values; NULL: numbers */
+    size_t count;
+} iso_vertex_values;
+
+/* Reads .curv and the like, .annot, and data of .gii; iso_vertex_values_free when done. array: of several in
+ * a .gii: its name, or its number from 0; NULL: the first. Errors as above; ISO_ERR_USAGE: there is no such
+ * array. */
+iso_status iso_vertex_values_read(const char *path, const char *array, iso_vertex_values *values,
+                                  iso_error *error);
+void iso_vertex_values_free(iso_vertex_values *values);
+
 /* What a file is as a mesh. */
 typedef enum iso_mesh_content {
     ISO_MESH_NO_FACES,

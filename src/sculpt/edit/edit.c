@@ -566,15 +566,36 @@ static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, 
     return ISO_OK;
 }
 
-iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
-                            iso_edit_stats *stats, iso_error *error) {
-    ISO_TRY(check_touch(editor, brush, touch, error));
-    iso_dabs dabs;
+static void make_dabs(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
+                      iso_dabs *dabs) {
     const iso_dab_space space = {.affine = &editor->affine,
                                  .spacing = editor->spacing,
                                  .band = editor->transaction.grid->band,
                                  .stamp = editor->opts.stamp};
-    iso_dabs_make(&space, brush, touch, &dabs);
+    iso_dabs_make(&space, brush, touch, dabs);
+}
+
+int iso_editor_ranges(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
+                      iso_cell_range ranges[ISO_EDITOR_RANGES]) {
+    enum { RINGS = 2 };
+    iso_dabs dabs;
+    make_dabs(editor, brush, touch, &dabs);
+    for (int i = 0; i < dabs.count; i++) {
+        cell_range(editor, &dabs, &dabs.dab[i], ranges[i].lo, ranges[i].hi);
+        for (int axis = 0; axis < 3; axis++) {
+            const int last = editor->transaction.grid->cells[axis] - 1;
+            ranges[i].lo[axis] = ranges[i].lo[axis] > RINGS ? ranges[i].lo[axis] - RINGS : 0;
+            ranges[i].hi[axis] = ranges[i].hi[axis] + RINGS < last ? ranges[i].hi[axis] + RINGS : last;
+        }
+    }
+    return dabs.count;
+}
+
+iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
+                            iso_edit_stats *stats, iso_error *error) {
+    ISO_TRY(check_touch(editor, brush, touch, error));
+    iso_dabs dabs;
+    make_dabs(editor, brush, touch, &dabs);
     iso_edit_stats made = {0};
     iso_status status = ISO_OK;
     if (brush->tool == ISO_TOOL_MASK || brush->tool == ISO_TOOL_UNMASK)

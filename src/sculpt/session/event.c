@@ -13,7 +13,8 @@
 #include "sculpt/session/event_limits.h"
 
 static const char FORMAT[] = "isopoint strokes";
-static const char *const KINDS[] = {"begin", "sample", "end", "cancel", "undo", "redo", "snapshot", "stamp"};
+static const char *const KINDS[] = {"begin", "sample", "end",    "cancel", "undo",   "redo", "snapshot",
+                                    "stamp", "edit",   "delete", "mute",   "unmute", "move", "group"};
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
 
 /* The number of characters of the end of a line: `,"crc":"xxxxxxxx"}`. */
@@ -43,11 +44,14 @@ static json_t *vector_json(iso_vec3 v) {
 
 char *iso_event_header_text(const iso_journal_start *start) {
     const bool plain = !start->reading[0] && (start->isovalue == 0 || start->voxel_isovalue);
-    json_t *header = json_pack(
-        "{ss si ss si sf s[iii] so sf sf}", "format", FORMAT, "version", plain ? 1 : ISO_JOURNAL_VERSION,
-        "source", start->source, "source_crc", (int)start->source_crc, "voxel_size", start->voxel_size,
-        "dims", start->dims[0], start->dims[1], start->dims[2], "origin", vector_json(start->origin),
-        "radius", start->radius, "isovalue", start->isovalue);
+    json_t *header =
+        json_pack("{ss si ss si sf s[iii] so sf sf}", "format", FORMAT, "version",
+                  start->has_edits ? ISO_JOURNAL_VERSION
+                  : plain          ? 1
+                                   : 2,
+                  "source", start->source, "source_crc", (int)start->source_crc, "voxel_size",
+                  start->voxel_size, "dims", start->dims[0], start->dims[1], start->dims[2], "origin",
+                  vector_json(start->origin), "radius", start->radius, "isovalue", start->isovalue);
     if (header && start->reading[0] &&
         json_object_set_new(header, "reading", json_string_nocheck(start->reading))) {
         json_decref(header);
@@ -77,7 +81,15 @@ static int add_stamp_members(json_t *object, const iso_stamp *stamp) {
 char *iso_event_text(const iso_event *event, unsigned long long number) {
     json_t *object = json_pack("{sI ss}", "n", (json_int_t)number, "event", KINDS[event->kind]);
     int failed = !object;
-    if (!failed && event->kind == ISO_EVENT_BEGIN)
+    const bool edit = iso_event_is_edit(event->kind);
+    if (!failed && edit) failed |= json_object_set_new(object, "stroke", json_integer(event->first));
+    if (!failed && edit && event->last != event->first)
+        failed |= json_object_set_new(object, "last", json_integer(event->last));
+    if (!failed && event->before)
+        failed |= json_object_set_new(object, "before", json_integer(event->before));
+    if (!failed && event->kind == ISO_EVENT_GROUP)
+        failed |= json_object_set_new(object, "group", json_string(event->text));
+    if (!failed && (event->kind == ISO_EVENT_BEGIN || event->kind == ISO_EVENT_EDIT))
         failed |= json_object_set_new(object, "brush", brush_json(&event->brush));
     if (!failed && event->kind <= ISO_EVENT_SAMPLE) {
         const iso_sample *s = &event->sample;
@@ -216,6 +228,7 @@ static iso_status read_header(const json_t *object, iso_journal_start *start, is
     json_int_t crc = 0;
     ISO_TRY(check_kind(object, error));
     start->voxel_isovalue = json_integer_value(json_object_get(object, "version")) < 2;
+    start->has_edits = json_integer_value(json_object_get(object, "version")) >= 3;
     start->reading[0] = 0;
     if (json_object_get(object, "reading")) ISO_TRY(get_text(object, "reading", start->reading, error));
     ISO_TRY(get_text(object, "source", start->source, error));
@@ -297,6 +310,27 @@ static iso_status read_stamp(const json_t *object, iso_event *event, iso_error *
     return iso_stamp_parse(name, text, &event->stamp, error);
 }
 
+/* Reads the number of a stroke; a member that is missing leaves *number as it is. */
+static iso_status read_number(const json_t *object, const char *key, unsigned *number, iso_error *error) {
+    json_int_t value = *number;
+    if (json_object_get(object, key)) ISO_TRY(get_integer(object, key, ISO_LIMIT_STROKE, &value, error));
+    *number = (unsigned)value;
+    return ISO_OK;
+}
+
+/* Reads what an edit says of strokes: the first, the last (the same if it is missing), and the one that they
+ * are placed before. */
+static iso_status read_range(const json_t *object, iso_event *event, iso_error *error) {
+    ISO_TRY(read_number(object, "stroke", &event->first, error));
+    if (!event->first) return bad_member("stroke", "a whole number", error);
+    event->last = event->first;
+    ISO_TRY(read_number(object, "last", &event->last, error));
+    if (event->last < event->first || (event->kind == ISO_EVENT_EDIT && event->last != event->first))
+        return iso_fail(error, ISO_ERR_FORMAT, "strokes %u to %u", event->first, event->last);
+    if (event->kind == ISO_EVENT_GROUP) return get_text(object, "group", event->text, error);
+    return ISO_OK;
+}
+
 static iso_status read_event(const json_t *object, const iso_event_context *context, iso_event *event,
                              iso_error *error) {
     const json_t *number = json_object_get(object, "n");
@@ -307,7 +341,11 @@ static iso_status read_event(const json_t *object, const iso_event_context *cont
     while (kind < KIND_COUNT && strcmp(name, KINDS[kind])) kind++;
     if (kind == KIND_COUNT) return bad_member("event", "an event of this version", error);
     event->kind = (iso_event_kind)kind;
-    if (kind == ISO_EVENT_BEGIN) ISO_TRY(read_brush(json_object_get(object, "brush"), &event->brush, error));
+    if (kind == ISO_EVENT_BEGIN || kind == ISO_EVENT_EDIT)
+        ISO_TRY(read_brush(json_object_get(object, "brush"), &event->brush, error));
+    if (iso_event_is_edit(event->kind)) ISO_TRY(read_range(object, event, error));
+    if (kind == ISO_EVENT_BEGIN || kind == ISO_EVENT_MOVE)
+        ISO_TRY(read_number(object, "before", &event->before, error));
     if (kind <= ISO_EVENT_SAMPLE) ISO_TRY(read_sample(object, &event->sample, error));
     ISO_TRY(iso_limits_event(event, context->start, error));
     if (kind == ISO_EVENT_STAMP) return read_stamp(object, event, error);

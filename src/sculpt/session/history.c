@@ -55,7 +55,7 @@ struct iso_history {
     step *steps;
     size_t count, room, position;
     /* of the open step: */
-    bool open;
+    bool open, keep;
     char *name;
     uint32_t *copy_of; /* by cell: 1 + the index of its values in `copies`, 0: not saved */
     saved_cell *copies;
@@ -104,7 +104,7 @@ static void free_step(iso_history *history, step *s) {
 static void close_step(iso_history *history) {
     for (size_t i = 0; i < history->copy_count; i++) history->copy_of[history->copies[i].cell] = 0;
     history->copy_count = history->raw_count = history->raw_mask_count = 0;
-    history->open = false;
+    history->open = history->keep = false;
     iso_free(history->name);
     history->name = NULL;
 }
@@ -389,9 +389,21 @@ static iso_status make_step_room(iso_history *history, iso_error *error) {
     return ISO_OK;
 }
 
+size_t iso_history_open_cells(const iso_history *history) {
+    return history->copy_count;
+}
+
+void iso_history_keep(iso_history *history) {
+    history->keep = true;
+}
+
+void iso_history_forget(iso_history *history) {
+    close_step(history);
+}
+
 iso_status iso_history_end(iso_history *history, iso_error *error) {
     if (!history->open) return iso_fail(error, ISO_ERR_USAGE, "no step is open");
-    if (history->copy_count == 0) { /* the step changed nothing */
+    if (history->copy_count == 0 && !history->keep) { /* the step changed nothing */
         close_step(history);
         return ISO_OK;
     }

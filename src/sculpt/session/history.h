@@ -37,6 +37,12 @@ void iso_history_destroy(iso_history *history);
 iso_status iso_history_begin(iso_history *history, const char *name, iso_error *error);
 iso_step_opts iso_history_step_opts(iso_history *history); /* for iso_editor_begin_step */
 iso_status iso_history_end(iso_history *history, iso_error *error);
+/* Returns the number of cells and masks that the open step has changed so far. */
+size_t iso_history_open_cells(const iso_history *history);
+/* Makes the open step one that can be undone even if it changes no cell. */
+void iso_history_keep(iso_history *history);
+/* Ends the open step without storing it: what it changed stays. */
+void iso_history_forget(iso_history *history);
 iso_status iso_history_cancel(iso_history *history, iso_error *error);
 
 /* Undo the last step, or redo the last step that was undone. ISO_ERR_USAGE: there is no such step, or a step

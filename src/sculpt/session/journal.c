@@ -440,3 +440,57 @@ iso_status iso_journal_add_location(const iso_journal_reader *reader, iso_status
 uint64_t iso_journal_sound_bytes(const iso_journal_reader *reader) {
     return reader->sound;
 }
+
+/* ---- rewriting */
+
+/* Writes a line and frees it. (iso_sink_commit finds errors of writing.) */
+static iso_status write_line(FILE *stream, char *line, iso_error *error) {
+    if (!line) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stroke file");
+    fputs(line, stream);
+    free(line);
+    return ISO_OK;
+}
+
+static iso_status write_events(iso_journal_reader *reader, const iso_event *edits, size_t count, FILE *stream,
+                               iso_error *error) {
+    iso_event event;
+    iso_journal_start start = reader->start;
+    unsigned long long number = 0;
+    bool more = true, drawing = false;
+    if (count && (start.isovalue == 0 || !start.voxel_isovalue)) {
+        start.has_edits = true;
+        start.voxel_isovalue = false;
+    }
+    ISO_TRY(write_line(stream, iso_event_header_text(&start), error));
+    for (;;) {
+        ISO_TRY(iso_journal_next(reader, &event, &more, error));
+        if (!more) break;
+        if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
+        if (event.kind != ISO_EVENT_CHECKPOINT)
+            ISO_TRY(write_line(stream, iso_event_text(&event, number++), error));
+    }
+    memset(&event, 0, sizeof event);
+    event.kind = ISO_EVENT_END;
+    if (drawing) ISO_TRY(write_line(stream, iso_event_text(&event, number++), error));
+    for (size_t i = 0; i < count; i++)
+        ISO_TRY(write_line(stream, iso_event_text(&edits[i], number++), error));
+    return ISO_OK;
+}
+
+iso_status iso_journal_rewrite(const char *from, const iso_event *edits, size_t count, const char *to,
+                               iso_error *error) {
+    iso_journal_start start;
+    iso_journal_reader *reader;
+    iso_sink sink;
+    ISO_TRY(iso_journal_open(from, &start, &reader, error));
+    iso_status status = iso_sink_open(to, &sink, error);
+    if (status == ISO_OK) {
+        status = write_events(reader, edits, count, sink.stream, error);
+        if (status == ISO_OK)
+            status = iso_sink_commit(&sink, error);
+        else
+            iso_sink_abort(&sink);
+    }
+    iso_journal_reader_free(reader);
+    return status;
+}

@@ -18,9 +18,11 @@
 extern "C" {
 #endif
 
-/* Version 2 adds `reading`, and isovalues of level sets are in millimetres instead of voxels. Files that use
- * neither are still written in version 1. ISO_JOURNAL_TEXT: bytes of a text. */
-enum { ISO_JOURNAL_VERSION = 2, ISO_JOURNAL_TEXT = 1024 };
+/* Version 2 adds `reading`, and isovalues of level sets are in millimetres instead of voxels. Version 3 adds
+ * edits of strokes. A file that is made says the first version that has what it uses; edits that are appended
+ * to an older file leave its first line as it is, and older programs refuse their lines. ISO_JOURNAL_TEXT:
+ * bytes of a text. */
+enum { ISO_JOURNAL_VERSION = 3, ISO_JOURNAL_TEXT = 1024 };
 
 /* The header: the source of the session's field, and its grid. */
 typedef struct iso_journal_start {
@@ -34,6 +36,7 @@ typedef struct iso_journal_start {
     char reading[ISO_JOURNAL_TEXT]; /* the options with which the program read the source; "" for the defaults
                                      */
     bool voxel_isovalue; /* the file is of version 1, in which the isovalue of a level set is in voxels */
+    bool has_edits;      /* the file is of version 3 */
 } iso_journal_start;
 
 typedef enum iso_event_kind {
@@ -44,15 +47,29 @@ typedef enum iso_event_kind {
     ISO_EVENT_UNDO,
     ISO_EVENT_REDO,
     ISO_EVENT_CHECKPOINT, /* the file `text` contains the field after the first `after` events */
-    ISO_EVENT_STAMP       /* the stamp for the strokes that follow */
+    ISO_EVENT_STAMP,      /* the stamp for the strokes that follow */
+    /* Edits change the list of strokes that the field is made of (stroke_list.h). They name the strokes with
+     * numbers `first` to `last`: strokes are numbered from 1 as they begin, cancelled and undone ones too. */
+    ISO_EVENT_EDIT,   /* gives a stroke another brush */
+    ISO_EVENT_DELETE, /* removes strokes */
+    ISO_EVENT_MUTE,   /* strokes are not drawn ... */
+    ISO_EVENT_UNMUTE, /* ... or drawn again */
+    ISO_EVENT_MOVE,   /* strokes are drawn before the stroke `before` */
+    ISO_EVENT_GROUP   /* strokes belong to the group `text` from now on; "": to none */
 } iso_event_kind;
+
+static inline bool iso_event_is_edit(iso_event_kind kind) {
+    return kind >= ISO_EVENT_EDIT;
+}
 
 typedef struct iso_event {
     iso_event_kind kind;
-    iso_brush brush;             /* BEGIN */
+    iso_brush brush;             /* BEGIN, EDIT */
     iso_sample sample;           /* BEGIN, SAMPLE */
-    char text[ISO_JOURNAL_TEXT]; /* CHECKPOINT: path */
+    char text[ISO_JOURNAL_TEXT]; /* CHECKPOINT: path; GROUP: name */
     unsigned long long after;    /* CHECKPOINT */
+    unsigned first, last;        /* edits */
+    unsigned before;             /* BEGIN, MOVE: a stroke's number; 0: the end of the list */
     iso_stamp *stamp;            /* STAMP; borrowed; the reader's is valid until its next event */
 } iso_event;
 
@@ -83,6 +100,11 @@ iso_status iso_journal_status(iso_journal *journal, iso_error *error);
 iso_status iso_journal_sync(iso_journal *journal, iso_error *error);
 /* Syncs, closes the file and frees the journal, whether syncing fails (ISO_ERR_WRITE) or not. */
 iso_status iso_journal_close(iso_journal *journal, iso_error *error);
+
+/* Writes the events of a stroke file, and edits that follow them, to another file, which appears whole.
+ * Checkpoints are left out, and a stroke without an end is ended. Errors: those of reading; ISO_ERR_WRITE. */
+iso_status iso_journal_rewrite(const char *from, const iso_event *edits, size_t count, const char *to,
+                               iso_error *error);
 
 /* ---- reading */
 

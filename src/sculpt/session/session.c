@@ -11,6 +11,8 @@
 #include "sculpt/field/checkpoint.h"
 #include "sculpt/limits.h"
 #include "sculpt/session/event_limits.h"
+#include "sculpt/session/pen.h"
+#include "sculpt/session/versions.h"
 
 enum { DEFAULT_CHECKPOINT_STROKES = 200 };
 /* Bricks that are allocated between strokes, so that the next stroke need not: 4 MiB. */
@@ -18,6 +20,7 @@ enum { RESERVED_BRICKS = 256 };
 
 struct iso_session {
     iso_hgrid *grid;
+    iso_pool *pool;
     iso_editor *editor;
     iso_history *history;
     iso_journal *journal;
@@ -31,8 +34,14 @@ struct iso_session {
     double cost_factor; /* of the options */
     double samples;     /* number of samples replayed so far */
     double undo_cost;   /* cost of all replayed undo and redo steps */
-    iso_brush brush;
-    iso_sample first, previous; /* the first sample of the stroke, and the sample of its last touch */
+    double edit_cost;   /* cost of the versions that were discarded */
+    iso_pen pen;
+    iso_edit_stats *stats;  /* of the call that is being served; NULL: not wanted */
+    iso_stroke_log log;     /* of all strokes, unless it is `partial` */
+    iso_stroke_list list;   /* the last one that an edit resolved */
+    iso_versions *versions; /* NULL: no edit has needed them yet */
+    bool partial;           /* the session began with a checkpoint: strokes before it are not in the log */
+    bool inserting; /* the stroke that is being drawn belongs before another one, and is drawn at its end */
     iso_snapshot *snapshots[ISO_SESSION_SNAPSHOTS];
     iso_checkpoint *checkpoint;      /* being written; NULL: none */
     iso_snapshot *checkpoint_source; /* the snapshot that it is written from */
@@ -114,6 +123,12 @@ static iso_status start_checkpoint(iso_session *session, iso_error *error) {
     return ISO_OK;
 }
 
+static void discard_versions(iso_session *session) {
+    if (session->versions) session->edit_cost += iso_versions_get_stats(session->versions).cost;
+    iso_versions_destroy(session->versions);
+    session->versions = NULL;
+}
+
 /* ---- resuming */
 
 /* A checkpoint that a journal mentions. */
@@ -182,6 +197,7 @@ static iso_status play_from_checkpoint(iso_session *session, const journal_conte
         const checkpoint_line *line = (const checkpoint_line *)found->lines.data + from - 1;
         ISO_TRY(iso_checkpoint_read(line->path, session->grid, iso_editor_mask(session->editor), error));
         p.from = line->after;
+        session->partial = true;
     }
     return for_events(session, play_event, &p, error);
 }
@@ -191,6 +207,9 @@ static iso_status reset_to(iso_session *session, const iso_hgrid *initial, iso_e
     if (session->drawing) ISO_TRY(iso_session_cancel(session, error));
     while (iso_history_position(session->history)) ISO_TRY(iso_history_undo(session->history, error));
     iso_editor_mask_clear(session->editor);
+    iso_stroke_log_free(&session->log);
+    discard_versions(session);
+    session->partial = false;
     ISO_TRY(iso_hgrid_copy_cells(initial, session->grid, error));
     return iso_history_clear(session->history, error);
 }
@@ -232,6 +251,43 @@ static iso_status resume(iso_session *session, const iso_progress *progress, iso
     return status;
 }
 
+/* ---- costs */
+
+static void add_stats(iso_edit_stats *sum, const iso_edit_stats *more) {
+    if (!sum) return;
+    sum->edited += more->edited;
+    sum->redistanced += more->redistanced;
+    sum->created += more->created;
+    sum->pruned += more->pruned;
+    sum->clipped |= more->clipped;
+}
+
+/* While a stroke file is replayed: fails if its events have cost more than those of a recording can
+ * (iso_limit_cost). */
+static iso_status check_total(const iso_session *session, double edits, iso_error *error) {
+    const double most = session->cost_factor * iso_limit_cost(session->samples),
+                 done = iso_editor_cost(session->editor) + session->undo_cost + session->edit_cost + edits;
+    if (!session->bounded || done <= most) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT, "the strokes up to here ask for more work than %.3g edited bricks",
+                    most);
+}
+
+static iso_status check_cost(const iso_session *session, iso_error *error) {
+    return check_total(session, session->versions ? iso_versions_get_stats(session->versions).cost : 0,
+                       error);
+}
+
+/* iso_pen.touch. */
+static iso_status touch_field(void *context, const iso_brush *brush, const iso_touch *touch,
+                              iso_error *error) {
+    iso_session *session = context;
+    ISO_TRY(check_cost(session, error));
+    iso_edit_stats made = {0};
+    ISO_TRY(iso_editor_touch(session->editor, brush, touch, &made, error));
+    add_stats(session->stats, &made);
+    return ISO_OK;
+}
+
 /* ---- creation and destruction */
 
 static iso_status copy_journal_path(iso_session *session, const char *journal, iso_error *error) {
@@ -270,6 +326,8 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a session");
     }
     session->grid = grid;
+    session->pool = opts->pool;
+    session->pen = (iso_pen){.touch = touch_field, .context = session};
     session->cost_factor = opts->cost_factor > 0 ? opts->cost_factor : 1;
     session->checkpoint_strokes =
         opts->checkpoint_strokes ? opts->checkpoint_strokes : DEFAULT_CHECKPOINT_STROKES;
@@ -286,6 +344,9 @@ void iso_session_destroy(iso_session *session) {
     finish_checkpoint(session, NULL);
     if (session->journal) iso_journal_close(session->journal, NULL);
     iso_stamp_free(session->stamp);
+    iso_versions_destroy(session->versions);
+    iso_stroke_list_free(&session->list);
+    iso_stroke_log_free(&session->log);
     iso_history_destroy(session->history);
     iso_editor_destroy(session->editor);
     iso_hgrid_destroy(session->grid);
@@ -314,66 +375,109 @@ iso_status iso_session_journal_status(iso_session *session, iso_error *error) {
 
 /* ---- strokes */
 
-static void add_stats(iso_edit_stats *sum, const iso_edit_stats *more) {
-    if (!sum) return;
-    sum->edited += more->edited;
-    sum->redistanced += more->redistanced;
-    sum->created += more->created;
-    sum->pruned += more->pruned;
-    sum->clipped |= more->clipped;
+/* ---- edits of strokes */
+
+static iso_status no_strokes(iso_error *error) {
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "the session began with a snapshot, and holds no strokes before it");
 }
 
-/* While a stroke file is replayed: fails if its events have cost more than those of a recording can
- * (iso_limit_cost). */
-static iso_status check_cost(const iso_session *session, iso_error *error) {
-    const double most = session->cost_factor * iso_limit_cost(session->samples),
-                 done = iso_editor_cost(session->editor) + session->undo_cost;
-    if (!session->bounded || done <= most) return ISO_OK;
-    return iso_fail(error, ISO_ERR_FORMAT, "the strokes up to here ask for more work than %.3g edited bricks",
-                    most);
+/* Resolves the log with what was added to it last. */
+static iso_status check_edit(iso_session *session, iso_error *error) {
+    return session->partial ? no_strokes(error)
+                            : iso_stroke_log_resolve(&session->log, &session->list, error);
 }
 
-static iso_status touch_sample(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
-                               iso_error *error) {
-    ISO_TRY(check_cost(session, error));
-    iso_touch touch = {.sample = *sample, .previous = session->previous, .first = session->first};
-    iso_edit_stats made = {0};
-    ISO_TRY(iso_editor_touch(session->editor, &session->brush, &touch, &made, error));
-    session->previous = *sample;
-    add_stats(stats, &made);
-    return ISO_OK;
+/* iso_versions_check. */
+static iso_status check_versions(void *context, double cost, iso_error *error) {
+    return check_total(context, cost, error);
 }
 
-static double mix(double a, double b, double t) {
-    return a + t * (b - a);
-}
-
-static iso_sample sample_between(const iso_sample *a, const iso_sample *b, double t) {
-    iso_sample s = {.pressure = mix(a->pressure, b->pressure, t), .seconds = mix(a->seconds, b->seconds, t)};
-    s.position = iso_vec3_add(a->position, iso_vec3_scale(iso_vec3_sub(b->position, a->position), t));
-    s.normal = iso_vec3_unit(iso_vec3_add(a->normal, iso_vec3_scale(iso_vec3_sub(b->normal, a->normal), t)));
-    return s;
-}
-
-/* Makes touches along the line from the last touch to the sample, at the brush's spacing. */
-static iso_status touch_along(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
-                              iso_error *error) {
-    const iso_brush *brush = &session->brush;
-    if (iso_tool_is_whole_mask(brush->tool)) return ISO_OK; /* the first touch has done it */
-    if (brush->tool == ISO_TOOL_MOVE ||
-        (brush->shape == ISO_SOLID_CAPSULE && brush->tool <= ISO_TOOL_BLEND_CARVE))
-        return touch_sample(session, sample, stats, error); /* one touch covers the whole line */
-    double spacing_mm = brush->radius * (brush->spacing > 0 ? brush->spacing : 0.25);
-    const iso_sample from = session->previous;
-    double length_mm = iso_vec3_length(iso_vec3_sub(sample->position, from.position));
-    if (!(length_mm / spacing_mm <= ISO_LIMIT_TOUCHES))
-        return iso_fail(error, ISO_ERR_USAGE, "a sample that makes %.4g touches: at most %d",
-                        length_mm / spacing_mm, ISO_LIMIT_TOUCHES);
-    for (double along = spacing_mm; along <= length_mm; along += spacing_mm) {
-        iso_sample s = sample_between(&from, sample, along / length_mm);
-        ISO_TRY(touch_sample(session, &s, stats, error));
+/* Copies the field before all strokes, which undoing every step brings back. */
+static iso_status copy_first_field(iso_session *session, iso_hgrid **first, iso_error *error) {
+    const size_t position = iso_history_position(session->history);
+    const int lo[3] = {0, 0, 0},
+              hi[3] = {session->grid->dims[0] - 1, session->grid->dims[1] - 1, session->grid->dims[2] - 1};
+    iso_status status = ISO_OK;
+    while (status == ISO_OK && iso_history_position(session->history)) {
+        session->undo_cost +=
+            2 * iso_history_cost(session->history, iso_history_position(session->history) - 1);
+        status = iso_history_undo(session->history, error);
     }
+    if (status == ISO_OK) status = iso_hgrid_crop(session->grid, lo, hi, first, error);
+    while (iso_history_position(session->history) < position) {
+        const iso_status again = iso_history_redo(session->history, status == ISO_OK ? error : NULL);
+        if (again != ISO_OK) return again;
+    }
+    return status;
+}
+
+/* Makes the versions of the strokes as they are before the last entry of the log. */
+static iso_status update_versions(iso_session *session, iso_error *error) {
+    iso_stroke_list list = {.count = 0};
+    iso_stroke_log before = session->log;
+    before.position--;
+    if (!session->versions) {
+        iso_hgrid *first = NULL;
+        ISO_TRY(copy_first_field(session, &first, error));
+        ISO_TRY(
+            iso_versions_create(first, session->pool, check_versions, session, &session->versions, error));
+    }
+    iso_status status = iso_stroke_log_resolve(&before, &list, error);
+    if (status == ISO_OK) status = iso_versions_update(session->versions, &list, NULL, error);
+    iso_stroke_list_free(&list);
+    return status;
+}
+
+static iso_status write_change(iso_session *session, const iso_step_opts *step, size_t index,
+                               iso_error *error) {
+    const iso_cell_change change = iso_versions_change(session->versions, index);
+    const uint32_t cell = change.cell;
+    iso_mask *mask = iso_editor_mask(session->editor);
+    iso_hgrid *grid = session->grid;
+    void *context = step->observer.context;
+    if (change.mask) {
+        iso_voxel_bits bits;
+        ISO_TRY(step->observer.mask_before(context, cell, iso_mask_bits(mask, cell), error));
+        if (change.state == 0) iso_versions_change_values(session->versions, index, &bits);
+        return iso_mask_set(mask, cell, change.state == 0 ? &bits : NULL, error);
+    }
+    int at[3], lo[3], hi[3];
+    float *brick = grid->cell[cell] >= 0 ? iso_hgrid_brick(grid, grid->cell[cell]) : NULL;
+    iso_hgrid_cell_position(grid, cell, at);
+    for (int axis = 0; axis < 3; axis++) {
+        lo[axis] = ISO_BRICK * at[axis];
+        hi[axis] = lo[axis] + ISO_BRICK - 1;
+    }
+    ISO_TRY(step->observer.before(context, cell, grid->cell[cell], brick, error));
+    ISO_TRY(iso_change_log_add(grid->log, lo, hi, error));
+    if (change.state != 0) {
+        iso_hgrid_coalesce(grid, at[0], at[1], at[2], change.state);
+        return ISO_OK;
+    }
+    ISO_TRY(iso_hgrid_split(grid, at[0], at[1], at[2], &brick, error));
+    iso_versions_change_values(session->versions, index, brick);
     return ISO_OK;
+}
+
+/* Makes the field that of session->list, as a step. If it fails, the field is unchanged. */
+static iso_status draw_list(iso_session *session, const char *name, iso_error *error) {
+    iso_status status = check_edit(session, error);
+    if (status == ISO_OK) status = update_versions(session, error);
+    if (status == ISO_OK) status = iso_versions_update(session->versions, &session->list, NULL, error);
+    if (status == ISO_OK) status = iso_history_begin(session->history, name, error);
+    if (status != ISO_OK) return status;
+    const iso_step_opts step = iso_history_step_opts(session->history);
+    iso_history_keep(session->history);
+    iso_change_log_begin(session->grid->log);
+    for (size_t i = 0; status == ISO_OK && i < iso_versions_change_count(session->versions); i++)
+        status = write_change(session, &step, i, error);
+    if (status == ISO_OK) status = iso_history_end(session->history, error);
+    if (status == ISO_OK)
+        iso_stroke_log_end(&session->log, true);
+    else
+        iso_history_cancel(session->history, NULL);
+    return status;
 }
 
 /* Writes the name of an undo step: the tool and, unless it is a sphere or capsule, the solid. */
@@ -384,25 +488,38 @@ static void name_step(const iso_brush *brush, char *name, size_t size) {
              plain ? "" : iso_solid_name(brush->shape));
 }
 
-iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const iso_sample *sample,
-                             iso_edit_stats *stats, iso_error *error) {
-    const iso_event event = {.kind = ISO_EVENT_BEGIN, .brush = *brush, .sample = *sample};
-    if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn already");
-    ISO_TRY(iso_brush_check(brush, error));
-    ISO_TRY(check_record(session, &event, error));
+/* Begins the step of a stroke and makes its first touch. */
+static iso_status begin_step(iso_session *session, const iso_event *event, iso_error *error) {
     char name[64];
-    name_step(brush, name, sizeof name);
+    name_step(&event->brush, name, sizeof name);
     ISO_TRY(iso_history_begin(session->history, name, error));
     iso_step_opts step = iso_history_step_opts(session->history);
     step.stamp = session->stamp;
     iso_editor_begin_step(session->editor, &step);
-    session->brush = *brush;
-    session->first = session->previous = *sample;
-    iso_status status = touch_sample(session, sample, stats, error);
-    if (status == ISO_OK) status = record_event(session, &event, error);
+    return iso_pen_begin(&session->pen, &event->brush, &event->sample, error);
+}
+
+static iso_status begin_stroke(iso_session *session, const iso_event *event, iso_edit_stats *stats,
+                               iso_error *error) {
+    if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn already");
+    ISO_TRY(iso_brush_check(&event->brush, error));
+    ISO_TRY(check_record(session, event, error));
+    ISO_TRY(iso_stroke_log_add(&session->log, event, session->stamp, false, error));
+    session->inserting = event->before > 0;
+    session->stats = stats;
+    iso_status status = session->inserting ? check_edit(session, error) : begin_step(session, event, error);
+    if (status == ISO_OK) status = record_event(session, event, error);
     session->drawing = status == ISO_OK;
-    if (status != ISO_OK) iso_history_cancel(session->history, NULL);
+    if (status == ISO_OK) return ISO_OK;
+    iso_stroke_log_remove(&session->log);
+    iso_history_cancel(session->history, NULL);
     return status;
+}
+
+iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const iso_sample *sample,
+                             iso_edit_stats *stats, iso_error *error) {
+    const iso_event event = {.kind = ISO_EVENT_BEGIN, .brush = *brush, .sample = *sample};
+    return begin_stroke(session, &event, stats, error);
 }
 
 iso_status iso_session_sample(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,
@@ -410,16 +527,15 @@ iso_status iso_session_sample(iso_session *session, const iso_sample *sample, is
     const iso_event event = {.kind = ISO_EVENT_SAMPLE, .sample = *sample};
     if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
     ISO_TRY(check_record(session, &event, error));
-    ISO_TRY(touch_along(session, sample, stats, error));
+    session->stats = stats;
+    if (!session->inserting) ISO_TRY(iso_pen_move(&session->pen, sample, error));
+    ISO_TRY(iso_stroke_log_sample(&session->log, sample, error));
     return record_event(session, &event, error);
 }
 
-iso_status iso_session_end(iso_session *session, iso_error *error) {
-    if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
-    ISO_TRY(iso_editor_finalize(session->editor, error));
-    ISO_TRY(iso_history_end(session->history, error));
-    session->drawing = false;
-    ISO_TRY(record_kind(session, ISO_EVENT_END, error));
+/* Records the end of a stroke or an edit, and makes a checkpoint when one is due. */
+static iso_status end_step(iso_session *session, const iso_event *event, iso_error *error) {
+    ISO_TRY(record_event(session, event, error));
     session->strokes++;
     iso_hgrid_reserve(session->grid, RESERVED_BRICKS);
     if (session->checkpoint && iso_checkpoint_done(session->checkpoint))
@@ -428,21 +544,64 @@ iso_status iso_session_end(iso_session *session, iso_error *error) {
     return due && session->journal && !session->replaying ? start_checkpoint(session, error) : ISO_OK;
 }
 
+iso_status iso_session_end(iso_session *session, iso_error *error) {
+    const iso_event event = {.kind = ISO_EVENT_END};
+    if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
+    if (session->inserting) {
+        ISO_TRY(draw_list(session, "insert", error));
+    } else {
+        ISO_TRY(iso_editor_finalize(session->editor, error));
+        const bool step = iso_history_open_cells(session->history) > 0;
+        ISO_TRY(iso_history_end(session->history, error));
+        iso_stroke_log_end(&session->log, step);
+    }
+    session->drawing = false;
+    return end_step(session, &event, error);
+}
+
 iso_status iso_session_cancel(iso_session *session, iso_error *error) {
     if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
-    ISO_TRY(iso_history_cancel(session->history, error));
+    if (!session->inserting) ISO_TRY(iso_history_cancel(session->history, error));
+    iso_stroke_log_remove(&session->log);
     session->drawing = false;
     return record_kind(session, ISO_EVENT_CANCEL, error);
 }
 
 iso_status iso_session_undo(iso_session *session, iso_error *error) {
+    if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "cannot undo while a stroke is being drawn");
     ISO_TRY(iso_history_undo(session->history, error));
+    iso_stroke_log_undo(&session->log);
     return record_kind(session, ISO_EVENT_UNDO, error);
 }
 
 iso_status iso_session_redo(iso_session *session, iso_error *error) {
+    if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "cannot redo while a stroke is being drawn");
     ISO_TRY(iso_history_redo(session->history, error));
+    iso_stroke_log_redo(&session->log);
     return record_kind(session, ISO_EVENT_REDO, error);
+}
+
+iso_status iso_session_edit(iso_session *session, const iso_event *event, iso_error *error) {
+    if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn");
+    if (event->kind == ISO_EVENT_EDIT) ISO_TRY(iso_brush_check(&event->brush, error));
+    ISO_TRY(check_record(session, event, error));
+    ISO_TRY(iso_stroke_log_add(&session->log, event, NULL, false, error));
+    iso_status status = check_edit(session, error);
+    if (status == ISO_OK) status = draw_list(session, "edit", error);
+    if (status != ISO_OK) {
+        iso_stroke_log_remove(&session->log);
+        return status;
+    }
+    return end_step(session, event, error);
+}
+
+iso_status iso_session_strokes(const iso_session *session, iso_stroke_list *list, iso_error *error) {
+    if (session->partial) return no_strokes(error);
+    return iso_stroke_log_resolve(&session->log, list, error);
+}
+
+iso_versions_stats iso_session_edit_stats(const iso_session *session) {
+    return session->versions ? iso_versions_get_stats(session->versions) : (iso_versions_stats){0};
 }
 
 iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_error *error) {
@@ -479,7 +638,7 @@ static iso_status play(iso_session *session, const iso_event *event, iso_edit_st
                        iso_error *error) {
     switch (event->kind) {
     case ISO_EVENT_BEGIN:
-        return iso_session_begin(session, &event->brush, &event->sample, stats, error);
+        return begin_stroke(session, event, stats, error);
     case ISO_EVENT_SAMPLE:
         return iso_session_sample(session, &event->sample, stats, error);
     case ISO_EVENT_END:
@@ -494,15 +653,17 @@ static iso_status play(iso_session *session, const iso_event *event, iso_edit_st
         return iso_session_redo(session, error);
     case ISO_EVENT_STAMP:
         return iso_session_set_stamp(session, iso_stamp_share(event->stamp), error);
-    default:
+    case ISO_EVENT_CHECKPOINT:
         return ISO_OK;
+    default:
+        return iso_session_edit(session, event, error);
     }
 }
 
 iso_status iso_session_play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
                             iso_error *error) {
     session->bounded = true;
-    session->samples += event->kind <= ISO_EVENT_SAMPLE;
+    session->samples += event->kind <= ISO_EVENT_SAMPLE || iso_event_is_edit(event->kind);
     iso_status status = play(session, event, stats, error);
     session->bounded = false;
     return status;

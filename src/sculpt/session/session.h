@@ -8,6 +8,7 @@
 #include "sculpt/field/snapshot.h"
 #include "sculpt/session/history.h"
 #include "sculpt/session/journal.h"
+#include "sculpt/session/versions.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -54,6 +55,19 @@ iso_status iso_session_end(iso_session *session, iso_error *error);
 iso_status iso_session_cancel(iso_session *session, iso_error *error);
 iso_status iso_session_undo(iso_session *session, iso_error *error);
 iso_status iso_session_redo(iso_session *session, iso_error *error);
+
+/* Edits strokes (an event of the kinds ISO_EVENT_EDIT to ISO_EVENT_GROUP) as one step of the undo
+ * history: the field becomes that of a fresh session in which the edited list of strokes is drawn. The
+ * first edit of a session draws all strokes once more to find what each of them made of its cells;
+ * later ones draw only the strokes that can come out differently. ISO_ERR_USAGE: there is no such
+ * stroke, a bad brush, or the session began with a checkpoint; also the errors of iso_editor_touch. The
+ * field is unchanged then. */
+iso_status iso_session_edit(iso_session *session, const iso_event *event, iso_error *error);
+/* Lists the strokes that the field is made of (zero-initialise `list`; iso_stroke_list_free). Its
+ * pointers are valid until the session changes. ISO_ERR_USAGE: the session began with a checkpoint;
+ * ISO_ERR_NOMEM. */
+iso_status iso_session_strokes(const iso_session *session, iso_stroke_list *list, iso_error *error);
+iso_versions_stats iso_session_edit_stats(const iso_session *session); /* all 0 before the first edit */
 
 /* Makes a snapshot of the field, for another thread to copy (iso_snapshot_copy) while editing continues. It
  * must be released before the session is destroyed. ISO_ERR_USAGE: a stroke is being drawn, or there are

@@ -11,13 +11,13 @@
 
 #include <cmocka.h>
 
+#include "base/srgb.h"
 #include "check_support.h"
 #include "exr_files.h"
 #include "file_support.h"
 #include "image/camera.h"
 #include "image/environment.h"
 #include "image/image.h"
-#include "base/srgb.h"
 
 static const char *const EXR_PATH = ISO_TEST_TMP "/environment_test.exr";
 static const char *const PNG_PATH = ISO_TEST_TMP "/environment_test.png";

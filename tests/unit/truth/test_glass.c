@@ -11,12 +11,12 @@
 
 #include <cmocka.h>
 
+#include "base/srgb.h"
 #include "check_support.h"
 #include "exact/glass.h"
 #include "exact_support.h"
 #include "extract_support.h"
 #include "grids/scenes/scenes.h"
-#include "base/srgb.h"
 #include "truth/traced_glass.h"
 #include "view_support.h"
 

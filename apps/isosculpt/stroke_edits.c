@@ -1,0 +1,125 @@
+/* Parses edits of strokes: RANGE, or RANGE:REST. */
+#include "apps/isosculpt/stroke_edits.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static iso_status parse_number(const char *text, char **end, unsigned *number, iso_error *error) {
+    const unsigned long value = text[0] >= '0' && text[0] <= '9' ? strtoul(text, end, 10) : 0;
+    if (value < 1 || value > 1000000000)
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' does not begin with a stroke's number", text);
+    *number = (unsigned)value;
+    return ISO_OK;
+}
+
+static iso_status parse_real(const char *key, const char *text, double *value, iso_error *error) {
+    char *end;
+    *value = strtod(text, &end);
+    return end != text && !*end && isfinite(*value)
+               ? ISO_OK
+               : iso_fail(error, ISO_ERR_USAGE, "%s: '%s' is no number", key, text);
+}
+
+static iso_status parse_switch(const char *key, const char *text, bool *on, iso_error *error) {
+    *on = strcmp(text, "on") == 0;
+    return *on || strcmp(text, "off") == 0
+               ? ISO_OK
+               : iso_fail(error, ISO_ERR_USAGE, "%s: '%s' is neither on nor off", key, text);
+}
+
+static iso_status parse_symmetry(const char *text, unsigned *symmetry, iso_error *error) {
+    *symmetry = 0;
+    for (const char *at = strcmp(text, "none") == 0 ? "" : text; *at; at++) {
+        if (*at < 'x' || *at > 'z')
+            return iso_fail(error, ISO_ERR_USAGE, "symmetry: '%s' is none of x, y, z, xy, ... xyz, none",
+                            text);
+        *symmetry |= 1u << (*at - 'x');
+    }
+    return ISO_OK;
+}
+
+/* Sets a member of the brush. */
+static iso_status change_brush(const char *key, const char *value, iso_brush *brush, iso_error *error) {
+    const struct {
+        const char *key;
+        double *value;
+    } reals[] = {{"radius", &brush->radius},
+                 {"strength", &brush->strength},
+                 {"aspect", &brush->aspect},
+                 {"blend", &brush->blend},
+                 {"spacing", &brush->spacing}};
+    for (size_t i = 0; i < sizeof reals / sizeof *reals; i++)
+        if (strcmp(key, reals[i].key) == 0) return parse_real(key, value, reals[i].value, error);
+    if (strcmp(key, "tool") == 0) return iso_tool_find(value, &brush->tool, error);
+    if (strcmp(key, "shape") == 0) return iso_solid_find(value, &brush->shape, error);
+    if (strcmp(key, "falloff") == 0) return iso_falloff_find(value, &brush->falloff, error);
+    if (strcmp(key, "symmetry") == 0) return parse_symmetry(value, &brush->symmetry, error);
+    if (strcmp(key, "pressure-radius") == 0) return parse_switch(key, value, &brush->pressure_radius, error);
+    if (strcmp(key, "pressure-strength") == 0)
+        return parse_switch(key, value, &brush->pressure_strength, error);
+    return iso_fail(
+        error, ISO_ERR_USAGE,
+        "'%s' is none of tool, shape, falloff, radius, strength, aspect, blend, spacing, symmetry, "
+        "pressure-radius, pressure-strength",
+        key);
+}
+
+/* Applies KEY=VALUE,KEY=VALUE to a brush. */
+static iso_status change_all(const char *changes, iso_brush *brush, iso_error *error) {
+    char item[256];
+    for (const char *at = changes;; at++) {
+        const size_t length = strcspn(at, ",");
+        if (length >= sizeof item) return iso_fail(error, ISO_ERR_USAGE, "'%s' is too long", at);
+        memcpy(item, at, length);
+        item[length] = 0;
+        char *value = strchr(item, '=');
+        if (!value) return iso_fail(error, ISO_ERR_USAGE, "'%s' is not KEY=VALUE", item);
+        *value++ = 0;
+        ISO_TRY(change_brush(item, value, brush, error));
+        at += length;
+        if (!*at) return ISO_OK;
+    }
+}
+
+iso_status isosculpt_edits_add(isosculpt_edits *edits, iso_event_kind kind, const char *text,
+                               iso_error *error) {
+    const bool has_rest = kind == ISO_EVENT_EDIT || kind == ISO_EVENT_MOVE || kind == ISO_EVENT_GROUP;
+    isosculpt_edit edit = {.kind = kind, .text = text};
+    char *end;
+    if (edits->count == ISOSCULPT_EDITS)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d edits of strokes", ISOSCULPT_EDITS);
+    ISO_TRY(parse_number(text, &end, &edit.first, error));
+    edit.last = edit.first;
+    if (*end == '-') ISO_TRY(parse_number(end + 1, &end, &edit.last, error));
+    if (edit.last < edit.first) return iso_fail(error, ISO_ERR_USAGE, "'%s' runs backwards", text);
+    if (*end != (has_rest ? ':' : 0))
+        return iso_fail(error, ISO_ERR_USAGE, has_rest ? "'%s' is not STROKES:..." : "'%s' is not N or N-M",
+                        text);
+    edit.rest = has_rest ? end + 1 : end;
+    if (kind == ISO_EVENT_EDIT) ISO_TRY(change_all(edit.rest, &(iso_brush){.radius = 1}, error));
+    if (kind == ISO_EVENT_GROUP && strlen(edit.rest) >= ISO_JOURNAL_TEXT)
+        return iso_fail(error, ISO_ERR_USAGE, "the name of a group has at most %d bytes",
+                        ISO_JOURNAL_TEXT - 1);
+    unsigned before;
+    if (kind == ISO_EVENT_MOVE && strcmp(edit.rest, "end") != 0) {
+        ISO_TRY(parse_number(edit.rest, &end, &before, error));
+        if (*end)
+            return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither a stroke's number nor end", edit.rest);
+    }
+    edits->edit[edits->count++] = edit;
+    return ISO_OK;
+}
+
+iso_status isosculpt_edit_event(const isosculpt_edit *edit, const iso_stroke *stroke, iso_event *event,
+                                iso_error *error) {
+    char *end;
+    *event = (iso_event){.kind = edit->kind, .first = edit->first, .last = edit->last};
+    if (edit->kind == ISO_EVENT_MOVE && strcmp(edit->rest, "end") != 0)
+        ISO_TRY(parse_number(edit->rest, &end, &event->before, error));
+    if (edit->kind == ISO_EVENT_GROUP) memcpy(event->text, edit->rest, strlen(edit->rest) + 1);
+    if (edit->kind != ISO_EVENT_EDIT) return ISO_OK;
+    event->first = event->last = stroke->number;
+    event->brush = stroke->brush;
+    return change_all(edit->rest, &event->brush, error);
+}

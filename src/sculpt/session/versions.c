@@ -1,0 +1,559 @@
+/* Keeps the versions of cells by stroke, and draws edited lists of strokes with them. */
+#include "sculpt/session/versions.h"
+
+#include <string.h>
+
+#include "sculpt/brush/dab.h"
+#include "sculpt/field/cell_pack.h"
+#include "sculpt/session/history.h"
+#include "sculpt/session/pen.h"
+
+/* A cell or its mask: twice the cell's number, and 1 for the mask. */
+typedef uint32_t cell_key;
+
+/* The content of a cell, or of its mask, after a stroke or before all of them. */
+typedef struct version {
+    cell_key key;
+    int32_t state;   /* as in iso_cell_change */
+    uint32_t size;   /* of the packed values */
+    uint64_t serial; /* each version has its own; 0: before all strokes */
+    uint8_t *bytes;  /* owned */
+} version;
+
+/* A stroke as it was drawn. */
+typedef struct drawn {
+    unsigned number;
+    iso_brush brush;
+    version *versions; /* what it wrote */
+    size_t count;
+    iso_cell_range *ranges; /* of all that it can read; the first contains the others */
+    size_t range_count;
+    bool kept; /* by the update that is being made */
+} drawn;
+
+struct iso_versions {
+    iso_hgrid *grid; /* the work grid; each cell is at some time of the list: see `held` */
+    iso_editor *editor;
+    iso_history *history; /* of the stroke that is being drawn: keeps what its cells were, for MOVE */
+    iso_versions_check *check;
+    void *context;
+    size_t keys;
+    version **first;                 /* by key: the content before all strokes; NULL: never written */
+    uint64_t *held;                  /* by key: the serial of the version in the work grid */
+    const version **before, **after; /* by key: at this place of the old and of the new list; NULL: `first` */
+    cell_key *dirty;                 /* the keys whose contents differ */
+    uint32_t *dirty_at;              /* by key: 1 + its index in `dirty`; 0: clean */
+    size_t dirty_count;
+    drawn **list; /* owned */
+    size_t count;
+    uint64_t serials;
+    iso_versions_stats stats;
+    /* of the stroke that is being drawn: */
+    iso_buffer written; /* cell_key */
+    size_t written_count;
+    iso_buffer ranges; /* iso_cell_range */
+    size_t range_count;
+};
+
+/* ---- memory */
+
+static void free_version(iso_versions *v, version *at) {
+    v->stats.bytes -= at->size;
+    iso_free(at->bytes);
+    at->bytes = NULL;
+}
+
+static void free_drawn(iso_versions *v, drawn *d) {
+    if (!d) return;
+    for (size_t i = 0; i < d->count; i++) free_version(v, &d->versions[i]);
+    iso_free(d->versions);
+    iso_free(d->ranges);
+    iso_free(d);
+}
+
+void iso_versions_destroy(iso_versions *v) {
+    if (!v) return;
+    for (size_t i = 0; i < v->count; i++) free_drawn(v, v->list[i]);
+    for (size_t i = 0; v->first && i < v->keys; i++) {
+        if (v->first[i]) free_version(v, v->first[i]);
+        iso_free(v->first[i]);
+    }
+    iso_history_destroy(v->history);
+    iso_editor_destroy(v->editor);
+    iso_hgrid_destroy(v->grid);
+    iso_free(v->list);
+    iso_free(v->first);
+    iso_free(v->held);
+    iso_free(v->before);
+    iso_free(v->after);
+    iso_free(v->dirty);
+    iso_free(v->dirty_at);
+    iso_buffer_free(&v->written);
+    iso_buffer_free(&v->ranges);
+    iso_free(v);
+}
+
+static iso_status no_memory(iso_error *error) {
+    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the versions of strokes");
+}
+
+static iso_status set_up(iso_versions *v, iso_pool *pool, iso_error *error) {
+    const iso_editor_opts editor = {.pool = pool};
+    ISO_TRY(iso_editor_create(v->grid, &editor, &v->editor, error));
+    const iso_history_opts history = {.mask = iso_editor_mask(v->editor)};
+    ISO_TRY(iso_history_create(v->grid, &history, &v->history, error));
+    v->keys = 2 * iso_hgrid_cell_count(v->grid);
+    v->first = iso_alloc_zero(v->keys, sizeof *v->first);
+    v->held = iso_alloc_zero(v->keys, sizeof *v->held);
+    v->before = iso_alloc_zero(v->keys, sizeof *v->before);
+    v->after = iso_alloc_zero(v->keys, sizeof *v->after);
+    v->dirty = iso_alloc_zero(v->keys, sizeof *v->dirty);
+    v->dirty_at = iso_alloc_zero(v->keys, sizeof *v->dirty_at);
+    return v->first && v->held && v->before && v->after && v->dirty && v->dirty_at ? ISO_OK
+                                                                                   : no_memory(error);
+}
+
+iso_status iso_versions_create(iso_hgrid *first, iso_pool *pool, iso_versions_check *check, void *context,
+                               iso_versions **versions, iso_error *error) {
+    iso_versions *v = iso_alloc_zero(1, sizeof *v);
+    if (!v) {
+        iso_hgrid_destroy(first);
+        return no_memory(error);
+    }
+    v->grid = first;
+    v->check = check;
+    v->context = context;
+    iso_status status = set_up(v, pool, error);
+    if (status == ISO_OK)
+        *versions = v;
+    else
+        iso_versions_destroy(v);
+    return status;
+}
+
+/* ---- versions of cells */
+
+/* Packs the content that a key has in the work grid. */
+static iso_status pack(iso_versions *v, cell_key key, uint64_t serial, version *out, iso_error *error) {
+    const iso_voxel_bits *bits = key & 1 ? iso_mask_bits(iso_editor_mask(v->editor), key / 2) : NULL;
+    const int32_t entry = v->grid->cell[key / 2];
+    const float *brick = !(key & 1) && entry >= 0 ? iso_hgrid_brick(v->grid, entry) : NULL;
+    *out = (version){.key = key, .serial = serial};
+    if (!bits && !brick) {
+        out->state = key & 1 ? ISO_CELL_OUTSIDE : entry;
+        return ISO_OK;
+    }
+    out->size = (uint32_t)(bits ? sizeof *bits : iso_cell_pack_size(brick, v->grid->band));
+    out->bytes = iso_alloc(out->size);
+    if (!out->bytes) {
+        out->size = 0;
+        return no_memory(error);
+    }
+    if (bits)
+        memcpy(out->bytes, bits, sizeof *bits);
+    else
+        iso_cell_pack(brick, v->grid->band, out->bytes);
+    v->stats.bytes += out->size;
+    return ISO_OK;
+}
+
+static bool is_same(const version *a, const version *b) {
+    if (a == b) return true;
+    if (!a || !b) return false; /* (`first` is there for every key that a stroke wrote) */
+    return a->state == b->state && a->size == b->size &&
+           (!a->size || memcmp(a->bytes, b->bytes, a->size) == 0);
+}
+
+static const version *or_first(const iso_versions *v, cell_key key, const version *at) {
+    return at ? at : v->first[key];
+}
+
+/* Notes whether the contents of a key differ now. */
+static void judge(iso_versions *v, cell_key key) {
+    const bool dirty = !is_same(or_first(v, key, v->before[key]), or_first(v, key, v->after[key]));
+    if (dirty == (v->dirty_at[key] > 0)) return;
+    if (dirty) {
+        v->dirty[v->dirty_count++] = key;
+        v->dirty_at[key] = (uint32_t)v->dirty_count;
+    } else {
+        const cell_key last = v->dirty[--v->dirty_count];
+        v->dirty[v->dirty_at[key] - 1] = last;
+        v->dirty_at[last] = v->dirty_at[key];
+        v->dirty_at[key] = 0;
+    }
+}
+
+/* Moves a list on by a stroke. */
+static void apply(iso_versions *v, const drawn *d, bool in_old, bool in_new) {
+    for (size_t i = 0; i < d->count; i++) {
+        const cell_key key = d->versions[i].key;
+        if (in_old) v->before[key] = &d->versions[i];
+        if (in_new) v->after[key] = &d->versions[i];
+        judge(v, key);
+    }
+}
+
+static void unpack(const iso_versions *v, const version *at, void *values) {
+    if (at->key & 1)
+        memcpy(values, at->bytes, at->size);
+    else
+        iso_cell_unpack(at->bytes, at->size, v->grid->band, values);
+}
+
+/* Brings a key of the work grid to this place of the new list. */
+static iso_status restore(iso_versions *v, cell_key key, iso_error *error) {
+    const version *at = or_first(v, key, v->after[key]);
+    int where[3];
+    float *brick;
+    if (!at || v->held[key] == at->serial) return ISO_OK;
+    if (key & 1) {
+        iso_voxel_bits bits;
+        if (at->size) unpack(v, at, &bits);
+        ISO_TRY(iso_mask_set(iso_editor_mask(v->editor), key / 2, at->size ? &bits : NULL, error));
+    } else {
+        iso_hgrid_cell_position(v->grid, key / 2, where);
+        if (at->size) {
+            ISO_TRY(iso_hgrid_split(v->grid, where[0], where[1], where[2], &brick, error));
+            unpack(v, at, brick);
+        } else
+            iso_hgrid_coalesce(v->grid, where[0], where[1], where[2], at->state);
+    }
+    v->held[key] = at->serial;
+    return ISO_OK;
+}
+
+/* ---- drawing a stroke */
+
+static iso_status note_written(iso_versions *v, cell_key key, iso_error *error) {
+    const size_t bytes = v->written_count * sizeof key;
+    ISO_TRY(iso_buffer_reserve(&v->written, bytes + sizeof key, bytes, error));
+    if (!v->first[key]) { /* it has not been written before, so the work grid has what it was */
+        version *first = iso_alloc_zero(1, sizeof *first);
+        if (!first) return no_memory(error);
+        const iso_status status = pack(v, key, 0, first, error);
+        if (status != ISO_OK) {
+            iso_free(first);
+            return status;
+        }
+        v->first[key] = first;
+    }
+    ((cell_key *)v->written.data)[v->written_count++] = key;
+    return ISO_OK;
+}
+
+static iso_status note_cell(void *context, uint32_t cell, int32_t state, const float *brick,
+                            iso_error *error) {
+    iso_versions *v = context;
+    const iso_step_opts step = iso_history_step_opts(v->history);
+    ISO_TRY(note_written(v, 2 * cell, error));
+    return step.observer.before(step.observer.context, cell, state, brick, error);
+}
+
+static iso_status note_mask(void *context, uint32_t cell, const iso_voxel_bits *bits, iso_error *error) {
+    (void)bits;
+    return note_written(context, 2 * cell + 1, error);
+}
+
+static const float *original(void *context, uint32_t cell, int32_t *state) {
+    iso_versions *v = context;
+    return iso_history_step_opts(v->history).original(v->history, cell, state);
+}
+
+static bool contains(const iso_cell_range *outer, const iso_cell_range *inner) {
+    bool within = true;
+    for (int axis = 0; axis < 3; axis++)
+        within &= inner->lo[axis] >= outer->lo[axis] && inner->hi[axis] <= outer->hi[axis];
+    return within;
+}
+
+/* iso_pen.touch: adds the ranges of a touch to those of its stroke. */
+static iso_status add_ranges(void *context, const iso_brush *brush, const iso_touch *touch,
+                             iso_error *error) {
+    enum { RECENT = 16 };
+    iso_versions *v = context;
+    iso_cell_range made[ISO_EDITOR_RANGES];
+    ISO_TRY(iso_brush_check(brush, error));
+    const int count = iso_editor_ranges(v->editor, brush, touch, made);
+    ISO_TRY(iso_buffer_reserve(&v->ranges, (v->range_count + (size_t)count + 1) * sizeof *made,
+                               v->range_count * sizeof *made, error));
+    iso_cell_range *ranges = v->ranges.data;
+    if (!v->range_count) ranges[v->range_count++] = made[0];
+    for (int i = 0; i < count; i++) {
+        bool known = false;
+        for (size_t k = v->range_count; k-- > 1 && k + RECENT > v->range_count && !known;)
+            known = contains(&ranges[k], &made[i]);
+        for (int axis = 0; axis < 3; axis++) {
+            if (made[i].lo[axis] < ranges[0].lo[axis]) ranges[0].lo[axis] = made[i].lo[axis];
+            if (made[i].hi[axis] > ranges[0].hi[axis]) ranges[0].hi[axis] = made[i].hi[axis];
+        }
+        if (!known) ranges[v->range_count++] = made[i];
+    }
+    return ISO_OK;
+}
+
+static iso_status touch_work_grid(void *context, const iso_brush *brush, const iso_touch *touch,
+                                  iso_error *error) {
+    iso_versions *v = context;
+    if (v->check) ISO_TRY(v->check(v->context, iso_editor_cost(v->editor), error));
+    return iso_editor_touch(v->editor, brush, touch, NULL, error);
+}
+
+static iso_status follow(iso_versions *v, const iso_stroke *stroke,
+                         iso_status (*touch)(void *, const iso_brush *, const iso_touch *, iso_error *),
+                         iso_error *error) {
+    iso_pen pen = {.touch = touch, .context = v};
+    ISO_TRY(iso_pen_begin(&pen, &stroke->brush, &stroke->samples[0], error));
+    for (size_t i = 1; i < stroke->count; i++) ISO_TRY(iso_pen_move(&pen, &stroke->samples[i], error));
+    return ISO_OK;
+}
+
+/* Brings all that a stroke can read to this place of the new list. */
+static iso_status restore_ranges(iso_versions *v, bool whole_mask, iso_error *error) {
+    const iso_cell_range *ranges = v->ranges.data;
+    for (size_t i = 1; i < v->range_count; i++)
+        for (int z = ranges[i].lo[2]; z <= ranges[i].hi[2]; z++)
+            for (int y = ranges[i].lo[1]; y <= ranges[i].hi[1]; y++) {
+                const size_t row = iso_hgrid_cell_index(v->grid, 0, y, z);
+                for (int x = ranges[i].lo[0]; x <= ranges[i].hi[0]; x++)
+                    for (cell_key half = 0; half < 2; half++)
+                        ISO_TRY(restore(v, (cell_key)(2 * (row + (size_t)x)) + half, error));
+            }
+    for (cell_key key = 1; whole_mask && key < v->keys; key += 2) ISO_TRY(restore(v, key, error));
+    return ISO_OK;
+}
+
+/* Draws the stroke on the work grid, which is at its place. */
+static iso_status draw_touches(iso_versions *v, const iso_stroke *stroke, iso_error *error) {
+    iso_step_opts step = {
+        .observer = {note_cell, note_mask, v}, .original = original, .stamp = stroke->stamp};
+    v->written_count = 0;
+    ISO_TRY(iso_history_begin(v->history, "", error));
+    iso_editor_begin_step(v->editor, &step);
+    iso_status status = follow(v, stroke, touch_work_grid, error);
+    if (status == ISO_OK) status = iso_editor_finalize(v->editor, error);
+    iso_history_forget(v->history);
+    return status;
+}
+
+/* Packs what the stroke wrote. */
+static iso_status keep_written(iso_versions *v, drawn *d, iso_error *error) {
+    const cell_key *written = v->written.data;
+    d->versions = iso_alloc(v->written_count * sizeof *d->versions);
+    if (!d->versions && v->written_count) return no_memory(error);
+    for (size_t i = 0; i < v->written_count; i++) {
+        ISO_TRY(pack(v, written[i], ++v->serials, &d->versions[d->count], error));
+        v->held[written[i]] = v->serials;
+        d->count++;
+    }
+    return ISO_OK;
+}
+
+static iso_status draw_stroke(iso_versions *v, const iso_stroke *stroke, drawn **out, iso_error *error) {
+    drawn *d = iso_alloc_zero(1, sizeof *d);
+    if (!d) return no_memory(error);
+    *out = d;
+    d->number = stroke->number;
+    d->brush = stroke->brush;
+    const iso_step_opts step = {.stamp = stroke->stamp}; /* whose size the ranges depend on */
+    iso_editor_begin_step(v->editor, &step);
+    v->range_count = 0;
+    ISO_TRY(follow(v, stroke, add_ranges, error));
+    d->ranges = iso_alloc(v->range_count * sizeof *d->ranges);
+    if (!d->ranges) return no_memory(error);
+    memcpy(d->ranges, v->ranges.data, v->range_count * sizeof *d->ranges);
+    d->range_count = v->range_count;
+    ISO_TRY(restore_ranges(v, iso_tool_is_whole_mask(stroke->brush.tool), error));
+    iso_status status = draw_touches(v, stroke, error);
+    const cell_key *written = v->written.data;
+    for (size_t i = 0; i < v->written_count; i++) v->held[written[i]] = UINT64_MAX; /* of no version yet */
+    if (status == ISO_OK) status = keep_written(v, d, error);
+    v->stats.drawn += status == ISO_OK;
+    return status;
+}
+
+/* ---- updating */
+
+/* Whether a stroke reads a key that is dirty. */
+static bool reads_dirty(const iso_versions *v, const drawn *d) {
+    const bool whole_mask = iso_tool_is_whole_mask(d->brush.tool);
+    for (size_t i = 0; i < v->dirty_count; i++) {
+        iso_cell_range cell;
+        if (whole_mask && v->dirty[i] & 1) return true;
+        iso_hgrid_cell_position(v->grid, v->dirty[i] / 2, cell.lo);
+        memcpy(cell.hi, cell.lo, sizeof cell.hi);
+        if (!contains(&d->ranges[0], &cell)) continue;
+        for (size_t k = 1; k < d->range_count; k++)
+            if (contains(&d->ranges[k], &cell)) return true;
+    }
+    return false;
+}
+
+static bool is_same_brush(const iso_brush *a, const iso_brush *b) {
+    return a->tool == b->tool && a->shape == b->shape && a->falloff == b->falloff && a->radius == b->radius &&
+           a->strength == b->strength && a->aspect == b->aspect && a->blend == b->blend &&
+           a->spacing == b->spacing && a->symmetry == b->symmetry && a->mirror.x == b->mirror.x &&
+           a->mirror.y == b->mirror.y && a->mirror.z == b->mirror.z &&
+           a->pressure_radius == b->pressure_radius && a->pressure_strength == b->pressure_strength;
+}
+
+/* An update: the strokes of the new list that are drawn, with the old ones that they keep. */
+typedef struct update {
+    const iso_stroke **strokes;
+    drawn **old;  /* by stroke: as it was drawn in the old list, in the same order there; NULL: not at all */
+    drawn **made; /* by stroke: new, owned until the update succeeds; NULL: `old` is kept */
+    size_t count;
+} update;
+
+static void free_update(iso_versions *v, update *u) {
+    for (size_t i = 0; u->made && i < u->count; i++) free_drawn(v, u->made[i]);
+    iso_free(u->strokes);
+    iso_free(u->old);
+    iso_free(u->made);
+}
+
+/* Finds the longest sequence of strokes that are in the same order in both lists; the others are drawn anew.
+ * places: by stroke of the new list its place in the old one, or SIZE_MAX. Sets the others' to SIZE_MAX. */
+static bool keep_longest_order(size_t *places, size_t count) {
+    size_t *ends = iso_alloc(2 * count * sizeof *ends), *from = ends ? ends + count : NULL, length = 0;
+    if (!ends) return false;
+    for (size_t i = 0; i < count; i++) {
+        size_t lo = 0, hi = length;
+        if (places[i] == SIZE_MAX) continue;
+        while (lo < hi) {
+            const size_t middle = (lo + hi) / 2;
+            if (places[ends[middle]] < places[i])
+                lo = middle + 1;
+            else
+                hi = middle;
+        }
+        from[i] = lo ? ends[lo - 1] : SIZE_MAX;
+        ends[lo] = i;
+        length += lo == length;
+    }
+    size_t next = length ? ends[length - 1] : SIZE_MAX;
+    for (size_t i = count; i-- > 0;)
+        if (i == next)
+            next = from[i];
+        else
+            places[i] = SIZE_MAX;
+    iso_free(ends);
+    return true;
+}
+
+/* Matches the strokes of the new list with those of the old one. */
+static iso_status match(iso_versions *v, const iso_stroke_list *list, update *u, iso_error *error) {
+    unsigned most = 0;
+    for (size_t i = 0; i < v->count; i++) most = v->list[i]->number > most ? v->list[i]->number : most;
+    u->strokes = iso_alloc_zero(list->count + 1, sizeof *u->strokes);
+    u->old = iso_alloc_zero(list->count + 1, sizeof *u->old);
+    u->made = iso_alloc_zero(list->count + 1, sizeof *u->made);
+    size_t *by_number = iso_alloc_zero((size_t)most + 1, sizeof *by_number),
+           *places = iso_alloc_zero(list->count + 1, sizeof *places);
+    bool whole = u->strokes && u->old && u->made && by_number && places;
+    for (size_t i = 0; whole && i < v->count; i++) by_number[v->list[i]->number] = i + 1;
+    for (size_t i = 0; whole && i < list->count; i++) {
+        const iso_stroke *stroke = iso_stroke_at(list, i);
+        if (!stroke->muted) u->strokes[u->count++] = stroke;
+    }
+    for (size_t i = 0; whole && i < u->count; i++) {
+        const unsigned number = u->strokes[i]->number;
+        places[i] = number <= most && by_number[number] ? by_number[number] - 1 : SIZE_MAX;
+    }
+    whole = whole && (u->count == 0 || keep_longest_order(places, u->count));
+    for (size_t i = 0; whole && i < u->count; i++)
+        if (places[i] != SIZE_MAX) u->old[i] = v->list[places[i]];
+    iso_free(by_number);
+    iso_free(places);
+    return whole ? ISO_OK : no_memory(error);
+}
+
+/* Walks both lists and draws what must be drawn. */
+static iso_status walk(iso_versions *v, update *u, const iso_progress *progress, iso_error *error) {
+    size_t old = 0;
+    for (size_t i = 0; i < u->count; i++) {
+        drawn *kept = u->old[i];
+        ISO_TRY(iso_progress_tell(progress, "the strokes", (double)i / (double)u->count, error));
+        while (kept && v->list[old] != kept) apply(v, v->list[old++], true, false);
+        old += kept != NULL;
+        if (kept && is_same_brush(&kept->brush, &u->strokes[i]->brush) && !reads_dirty(v, kept)) {
+            apply(v, kept, true, true);
+            continue;
+        }
+        ISO_TRY(draw_stroke(v, u->strokes[i], &u->made[i], error));
+        if (kept) apply(v, kept, true, false);
+        apply(v, u->made[i], false, true);
+    }
+    while (old < v->count) apply(v, v->list[old++], true, false);
+    return ISO_OK;
+}
+
+/* Makes the new list the present one and frees the versions that it does not have (changes refer to those of
+ * the new list). */
+static void accept(iso_versions *v, update *u) {
+    for (size_t i = 0; i < u->count; i++)
+        if (!u->made[i]) u->old[i]->kept = true;
+    for (size_t i = 0; i < v->count; i++)
+        if (v->list[i]->kept)
+            v->list[i]->kept = false;
+        else
+            free_drawn(v, v->list[i]);
+    for (size_t i = 0; i < u->count; i++) {
+        if (u->made[i]) u->old[i] = u->made[i];
+        u->made[i] = NULL;
+    }
+    iso_free(v->list);
+    v->list = u->old;
+    v->count = u->count;
+    u->old = NULL;
+}
+
+iso_status iso_versions_update(iso_versions *v, const iso_stroke_list *list, const iso_progress *progress,
+                               iso_error *error) {
+    update u = {.count = 0};
+    memset(v->before, 0, v->keys * sizeof *v->before);
+    memset(v->after, 0, v->keys * sizeof *v->after);
+    memset(v->dirty_at, 0, v->keys * sizeof *v->dirty_at);
+    v->dirty_count = 0;
+    iso_status status = match(v, list, &u, error);
+    if (status == ISO_OK) status = walk(v, &u, progress, error);
+    if (status == ISO_OK) {
+        v->stats.strokes += u.count;
+        accept(v, &u);
+    } else
+        v->dirty_count = 0;
+    free_update(v, &u);
+    return status;
+}
+
+/* ---- results */
+
+size_t iso_versions_change_count(const iso_versions *v) {
+    return v->dirty_count;
+}
+
+static const version *changed_to(const iso_versions *v, size_t index) {
+    const cell_key key = v->dirty[index];
+    return or_first(v, key, v->after[key]);
+}
+
+iso_cell_change iso_versions_change(const iso_versions *v, size_t index) {
+    const version *at = changed_to(v, index);
+    return (iso_cell_change){.cell = at->key / 2, .mask = at->key & 1, .state = at->state};
+}
+
+void iso_versions_change_values(const iso_versions *v, size_t index, void *values) {
+    unpack(v, changed_to(v, index), values);
+}
+
+unsigned iso_versions_writer(const iso_versions *v, uint32_t cell) {
+    for (size_t i = v->count; i-- > 0;)
+        for (size_t k = 0; k < v->list[i]->count; k++)
+            if (v->list[i]->versions[k].key == 2 * cell) return v->list[i]->number;
+    return 0;
+}
+
+iso_versions_stats iso_versions_get_stats(const iso_versions *v) {
+    iso_versions_stats stats = v->stats;
+    stats.cost = iso_editor_cost(v->editor);
+    return stats;
+}

@@ -1,0 +1,59 @@
+/* versions: what each stroke of a list made of the cells that it wrote, so that an edit of a past
+ * stroke draws only the strokes again that can come out differently.
+ *
+ * The versions of a cell are its contents after each stroke that wrote it, packed without loss. An
+ * update walks the new list beside the old one and keeps the set of dirty cells, whose content is not
+ * what it was at this place of the old list. A stroke that reads no dirty cell keeps its versions;
+ * another one is drawn again on a work grid, whose cells are first brought to this place. Cells that
+ * come out as they were are clean again, which ends the work early. The result is to the bit that of
+ * drawing the whole list. Internal to sculpt. */
+#ifndef ISO_SCULPT_SESSION_VERSIONS_H
+#define ISO_SCULPT_SESSION_VERSIONS_H
+
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "grids/hgrid.h"
+#include "sculpt/field/mask.h"
+#include "sculpt/session/stroke_list.h"
+
+typedef struct iso_versions iso_versions;
+
+/* What updates have cost so far. */
+typedef struct iso_versions_stats {
+    size_t strokes, drawn; /* strokes of the lists of all updates, and those of them that were drawn */
+    size_t bytes;          /* packed versions in memory now */
+    double cost;           /* iso_editor_cost */
+} iso_versions_stats;
+
+/* Takes ownership of the field before all strokes, also when it fails. `check` is called before each touch,
+ * and an error of it ends the update (NULL: not called). The pool is borrowed. ISO_ERR_NOMEM; ISO_ERR_USAGE:
+ * a grid that cannot be sculpted. */
+typedef iso_status iso_versions_check(void *context, double cost, iso_error *error);
+iso_status iso_versions_create(iso_hgrid *first, iso_pool *pool, iso_versions_check *check, void *context,
+                               iso_versions **versions, iso_error *error);
+void iso_versions_destroy(iso_versions *versions); /* NULL is fine */
+
+/* Draws a list. Errors: those of touches; ISO_ERR_IO: cancelled. The versions are as before then. */
+iso_status iso_versions_update(iso_versions *versions, const iso_stroke_list *list,
+                               const iso_progress *progress, iso_error *error);
+
+/* The cells in which the result of the last update differs from that of the update before it: each has a new
+ * brick or entry (`state`; a brick: 0), or new bits of the mask. */
+typedef struct iso_cell_change {
+    uint32_t cell;
+    bool mask;
+    int32_t
+        state; /* of the field: 0, ISO_CELL_OUTSIDE or ISO_CELL_INSIDE; of the mask: 0, or ISO_CELL_OUTSIDE
+                      for a cell without frozen voxels */
+} iso_cell_change;
+size_t iso_versions_change_count(const iso_versions *versions);
+iso_cell_change iso_versions_change(const iso_versions *versions, size_t index);
+/* Writes the values of a change with state 0: a brick, or iso_voxel_bits. */
+void iso_versions_change_values(const iso_versions *versions, size_t index, void *values);
+
+/* Returns the number of the last stroke of the list that wrote a cell; 0: none has. */
+unsigned iso_versions_writer(const iso_versions *versions, uint32_t cell);
+
+iso_versions_stats iso_versions_get_stats(const iso_versions *versions);
+
+#endif

@@ -1,0 +1,67 @@
+# edits of past strokes: what they give is what a file without them, or with them in place, gives; saved, and refused
+cat > make.py <<'P'
+import strokes as s
+
+def stroke(x, **brush):
+    at = {"at": [x, 0.0, 20.0]}
+    return [s.begin(at, **brush), s.sample(at=[x, 8.0, 20.0]), {"event": "end"}]
+
+a, b, c = stroke(-6.0, radius=6.0), stroke(0.0, tool="carve", radius=5.0), stroke(6.0, tool="smooth", radius=9.0, symmetry=1)
+wide = stroke(0.0, tool="carve", radius=7.0)
+s.write("abc.strokes", a + b + c)
+s.write("ac.strokes", a + c)
+s.write("wide.strokes", a + wide + c)
+s.write("acb.strokes", a + c + b)
+s.write("undone.strokes", a + b + c + [{"event": "mute", "stroke": 1, "last": 3}, {"event": "undo"}, {"event": "delete", "stroke": 2}])
+s.write("before.strokes", a + c + [{**b[0], "before": 2}] + b[1:])
+s.write("group.strokes", a + b + [{"event": "group", "stroke": 1, "last": 2, "group": "ears"}])
+for name, event in {"none": {"event": "mute", "stroke": 9}, "zero": {"event": "delete", "stroke": 0},
+                    "backwards": {"event": "mute", "stroke": 3, "last": 1}, "huge": {"event": "unmute", "stroke": 1, "last": 1 << 60},
+                    "itself": {"event": "move", "stroke": 1, "last": 2, "before": 2}, "brush": {"event": "edit", "stroke": 1},
+                    "radius": {"event": "edit", "stroke": 1, "brush": s.brush(radius=-1.0)}, "text": {"event": "move", "stroke": "1"},
+                    "nameless": {"event": "group", "stroke": 1}, "drawing": None}.items():
+    s.write(name + ".bad", a + b + c + ([event] if event else a[:2] + [{"event": "mute", "stroke": 1}]))
+P
+python3 make.py
+play() { isosculpt --replay "$1.strokes" --headless --output "$2.ply" --quiet "${@:3}"; }
+for name in abc ac wide acb undone before; do play $name $name; done
+cmp abc.ply before.ply
+cmp ac.ply undone.ply
+play abc deleted --delete 2 --save-strokes deleted.strokes
+cmp deleted.ply ac.ply
+play deleted again
+cmp again.ply ac.ply
+play abc muted --mute 1-3 --unmute 1 --unmute 3
+cmp muted.ply ac.ply
+play abc edited --edit 2:radius=7 --threads 1 --json=edited.json
+cmp edited.ply wide.ply
+play abc moved --move 2:end
+cmp moved.ply acb.ply
+play acb back --move 3:2
+cmp back.ply abc.ply
+play abc both --edit 1-3:radius=4,strength=.5,symmetry=xz --group 1-2:ears --save-strokes both.strokes
+play both both2 --json=both.json
+cmp both.ply both2.ply
+head -1 both.strokes | grep -q '"version":3,'
+head -1 abc.strokes | grep -q '"version":1,'
+# strokes that are saved without edits are the file itself
+isosculpt --replay "$volumes/bear.strokes" --headless --save-strokes same.strokes --quiet
+cmp same.strokes "$volumes/bear.strokes"
+isosculpt --replay "$volumes/bear.strokes" --headless --edit 12:radius=4 --mute 20-24 --json=bear.json --quiet
+python3 - <<'P'
+from check import *
+edited, both, bear = report("edited.json"), report("both.json"), report("bear.json")
+expect([s["stroke"] for s in edited["stroke_list"]] == [1, 2, 3], edited["stroke_list"])
+expect(edited["stroke_list"][1]["radius"] == 7 and edited["strokes_drawn_again"] >= 3, edited)
+expect([s.get("group") for s in both["stroke_list"]] == ["ears", "ears", None], both["stroke_list"])
+expect(bear["seconds"]["stroke_edit"]["count"] == 2 and bear["version_bytes"] > 0, bear["seconds"])
+expect([s["stroke"] for s in bear["stroke_list"] if s["muted"]] == [20, 21, 22, 23, 24], bear["stroke_list"])
+P
+# hostile lines are refused in one line that names theirs, and nothing is written
+for bad in *.bad; do
+    cp "$bad" bad.strokes
+    code=0
+    isosculpt --replay bad.strokes --headless --output bad.ply --quiet 2>message || code=$?
+    [ "$code" = 3 ] && [ "$(wc -l <message)" = 1 ] && grep -q "bad.strokes' line 1[0-9]: " message && [ ! -e bad.ply ] ||
+        { echo "$bad: $code"; cat message; exit 1; }
+done

@@ -1,0 +1,253 @@
+/* Strokes stay editable: after any edit of a past stroke the field and the masks are, bit for bit, those of a
+ * fresh session in which the edited list of strokes is drawn; edits are undone and redone as steps, and are
+ * in the journal. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "file_support.h"
+#include "session_support.h"
+
+/* A ball in which most strokes lie apart: edits then leave many of them as they are. */
+static const iso_journal_start LARGE = {.source = "ball",
+                                        .voxel_size = 0.5,
+                                        .dims = {176, 176, 176},
+                                        .origin = {-43.75, -43.75, -43.75},
+                                        .radius = 30};
+
+static iso_session *open_ball(const iso_journal_start *start) {
+    iso_hgrid *grid;
+    iso_session *session;
+    const iso_session_opts opts = {.checkpoint_strokes = -1};
+    assert_int_equal(iso_session_ball(start, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_create(grid, start, &opts, &session, NULL), ISO_OK);
+    return session;
+}
+
+/* Draws the list in a fresh session. */
+static iso_session *draw_fresh(iso_session *edited) {
+    iso_stroke_list list = {.count = 0};
+    const bool large = iso_session_grid(edited)->dims[0] == LARGE.dims[0];
+    iso_session *session = open_ball(large ? &LARGE : &SESSION_START);
+    assert_int_equal(iso_session_strokes(edited, &list, NULL), ISO_OK);
+    for (size_t i = 0; i < list.count; i++) {
+        const iso_stroke *stroke = iso_stroke_at(&list, i);
+        iso_error error = {0};
+        if (stroke->muted) continue;
+        if (iso_session_begin(session, &stroke->brush, &stroke->samples[0], NULL, &error) != ISO_OK)
+            fail_msg("%s", error.text);
+        for (size_t k = 1; k < stroke->count; k++)
+            assert_int_equal(iso_session_sample(session, &stroke->samples[k], NULL, NULL), ISO_OK);
+        assert_int_equal(iso_session_end(session, NULL), ISO_OK);
+    }
+    iso_stroke_list_free(&list);
+    return session;
+}
+
+static void assert_is_fresh(iso_session *session) {
+    iso_session *fresh = draw_fresh(session);
+    session_field field = session_field_of(fresh);
+    assert_true(session_is(session, &field));
+    session_field_free(&field);
+    iso_session_destroy(fresh);
+}
+
+/* A short stroke on or near the ball, so that masks and creases meet strokes that follow. On the large ball
+ * whole-mask tools are left out, as they reach every stroke that a mask does. */
+static void draw(iso_session *session, uint32_t *seed, unsigned before) {
+    iso_event event = {.kind = ISO_EVENT_BEGIN, .before = before};
+    const bool large = iso_session_grid(session)->dims[0] == LARGE.dims[0];
+    event.brush = session_random_brush(seed, large ? ISO_TOOL_CLEAR_MASK : ISO_TOOL_COUNT);
+    event.brush.radius = 0.5 + 2 * uniform(seed);
+    event.sample = session_random_sample(seed);
+    event.sample.position = iso_vec3_scale(event.sample.normal, (large ? 29 : 9) + 2 * uniform(seed));
+    assert_int_equal(iso_session_play(session, &event, NULL, NULL), ISO_OK);
+    event.kind = ISO_EVENT_SAMPLE;
+    for (int i = 0; i < 3; i++) {
+        iso_vec3 step; /* (one after the other: compilers evaluate arguments in different orders) */
+        step.x = uniform(seed) - 0.5;
+        step.y = uniform(seed) - 0.5;
+        step.z = uniform(seed) - 0.5;
+        event.sample.position = iso_vec3_add(event.sample.position, iso_vec3_scale(step, 3));
+        assert_int_equal(iso_session_play(session, &event, NULL, NULL), ISO_OK);
+    }
+    event.kind = ISO_EVENT_END;
+    assert_int_equal(iso_session_play(session, &event, NULL, NULL), ISO_OK);
+}
+
+static const iso_stroke *random_stroke(const iso_stroke_list *list, uint32_t *seed) {
+    return iso_stroke_at(list, (size_t)(uniform(seed) * (double)list->count) % list->count);
+}
+
+/* One of the kinds of edits: a brush, delete, mute or unmute, move, insert. */
+static void edit(iso_session *session, int kind, uint32_t *seed) {
+    iso_stroke_list list = {.count = 0};
+    assert_int_equal(iso_session_strokes(session, &list, NULL), ISO_OK);
+    assert_true(list.count > 2);
+    const iso_stroke *stroke = random_stroke(&list, seed), *other = random_stroke(&list, seed);
+    iso_event event = {.first = stroke->number, .last = stroke->number, .brush = stroke->brush};
+    const unsigned before = other->number == stroke->number ? 0 : other->number;
+    if (kind == 4) {
+        iso_stroke_list_free(&list);
+        draw(session, seed, before);
+        return;
+    }
+    event.kind = kind == 0   ? ISO_EVENT_EDIT
+                 : kind == 1 ? ISO_EVENT_DELETE
+                 : kind == 3 ? ISO_EVENT_MOVE
+                             : (stroke->muted ? ISO_EVENT_UNMUTE : ISO_EVENT_MUTE);
+    if (kind == 3) event.before = before;
+    event.brush.radius *= 0.7 + 0.6 * uniform(seed);
+    if (uniform(seed) < 0.3) event.brush.symmetry ^= 1;
+    if (uniform(seed) < 0.2) event.brush.tool = (iso_tool)(uniform(seed) * ISO_TOOL_COUNT);
+    iso_stroke_list_free(&list);
+    iso_error error = {0};
+    if (iso_session_edit(session, &event, &error) != ISO_OK) fail_msg("%s", error.text);
+}
+
+static void edits_equal_a_fresh_replay(void **state) {
+    (void)state;
+    enum { SESSIONS = 8, STROKES = 36, EDITS = 26 };
+    iso_versions_stats all[2] = {{0}};
+    for (uint32_t round = 0; round < SESSIONS; round++) {
+        uint32_t seed = 4100 + round;
+        const int large = round % 4 == 3;
+        iso_session *session = open_ball(large ? &LARGE : &SESSION_START);
+        for (int i = 0; i < (large ? 3 : 1) * STROKES; i++) draw(session, &seed, 0);
+        for (int i = 0; i < EDITS; i++) {
+            edit(session, i % 5, &seed);
+            assert_is_fresh(session);
+            if (i % 7 == 6) {
+                session_field now = session_field_of(session);
+                assert_int_equal(iso_session_undo(session, NULL), ISO_OK);
+                assert_is_fresh(session);
+                assert_int_equal(iso_session_redo(session, NULL), ISO_OK);
+                assert_true(session_is(session, &now));
+                session_field_free(&now);
+            }
+            if (i % 11 == 10) { /* strokes may be drawn between edits */
+                draw(session, &seed, 0);
+                assert_is_fresh(session);
+            }
+        }
+        const iso_versions_stats stats = iso_session_edit_stats(session);
+        all[large].strokes += stats.strokes;
+        all[large].drawn += stats.drawn;
+        iso_session_destroy(session);
+    }
+    print_message("%d edits: drew %zu of %zu strokes, on the large ball %zu of %zu\n", SESSIONS * EDITS,
+                  all[0].drawn, all[0].strokes, all[1].drawn, all[1].strokes);
+    assert_true(2 * all[0].drawn < all[0].strokes); /* what an edit cannot reach is not drawn again */
+    assert_true(5 * all[1].drawn < all[1].strokes);
+}
+
+/* Strokes that lie apart are not drawn again when one of them is edited. */
+static void only_what_is_reached_is_drawn(void **state) {
+    (void)state;
+    iso_session *session = open_ball(&LARGE);
+    const iso_vec3 at[6] = {{30, 0, 0}, {-30, 0, 0}, {0, 30, 0}, {0, -30, 0}, {0, 0, 30}, {0, 0, -30}};
+    const iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 2};
+    for (int i = 0; i < 6; i++) {
+        const iso_sample sample = {.position = at[i], .normal = iso_vec3_unit(at[i]), .pressure = 1};
+        assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
+        assert_int_equal(iso_session_end(session, NULL), ISO_OK);
+    }
+    iso_event event = {.kind = ISO_EVENT_MUTE, .first = 6, .last = 6};
+    assert_int_equal(iso_session_edit(session, &event, NULL), ISO_OK);
+    assert_int_equal(iso_session_edit_stats(session).drawn, 6); /* the first edit: every stroke once */
+    event = (iso_event){.kind = ISO_EVENT_EDIT, .first = 2, .last = 2, .brush = brush};
+    event.brush.radius = 3;
+    assert_int_equal(iso_session_edit(session, &event, NULL), ISO_OK);
+    assert_int_equal(iso_session_edit_stats(session).drawn, 7);
+    event = (iso_event){.kind = ISO_EVENT_MOVE, .first = 1, .last = 1};
+    assert_int_equal(iso_session_edit(session, &event, NULL), ISO_OK);
+    assert_int_equal(iso_session_edit_stats(session).drawn, 8);
+    iso_session_destroy(session);
+}
+
+static void refusals_change_nothing(void **state) {
+    (void)state;
+    uint32_t seed = 3;
+    iso_session *session = session_open(&(iso_session_opts){.checkpoint_strokes = -1});
+    for (int i = 0; i < 4; i++) draw(session, &seed, 0);
+    session_field before = session_field_of(session);
+    const size_t steps = iso_history_count(iso_session_history(session));
+    const iso_event wrong[] = {{.kind = ISO_EVENT_MUTE, .first = 9, .last = 9},
+                               {.kind = ISO_EVENT_DELETE, .first = 7, .last = 12},
+                               {.kind = ISO_EVENT_MOVE, .first = 1, .last = 2, .before = 2},
+                               {.kind = ISO_EVENT_MOVE, .first = 1, .last = 2, .before = 5},
+                               {.kind = ISO_EVENT_EDIT, .first = 1, .last = 1, .brush = {.radius = -1}}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        iso_error error = {0};
+        assert_int_equal(iso_session_edit(session, &wrong[i], &error), ISO_ERR_USAGE);
+        assert_true(error.text[0] && !strchr(error.text, '\n'));
+        assert_true(session_is(session, &before));
+    }
+    assert_int_equal(iso_history_count(iso_session_history(session)), steps);
+    /* an edit of what lies in no cell is a step, too */
+    iso_event event = {.kind = ISO_EVENT_GROUP, .first = 1, .last = 3, .text = "legs"};
+    assert_int_equal(iso_session_edit(session, &event, NULL), ISO_OK);
+    assert_int_equal(iso_history_count(iso_session_history(session)), steps + 1);
+    assert_true(session_is(session, &before));
+    iso_stroke_list list = {.count = 0};
+    assert_int_equal(iso_session_strokes(session, &list, NULL), ISO_OK);
+    assert_string_equal(iso_stroke_find(&list, 2)->group, "legs");
+    assert_string_equal(iso_stroke_find(&list, 4)->group, "");
+    assert_int_equal(iso_session_undo(session, NULL), ISO_OK);
+    assert_int_equal(iso_session_strokes(session, &list, NULL), ISO_OK);
+    assert_string_equal(iso_stroke_find(&list, 2)->group, "");
+    iso_stroke_list_free(&list);
+    session_field_free(&before);
+    iso_session_destroy(session);
+}
+
+/* What was edited is in the journal, also when checkpoints were made before and after. */
+static void journals_hold_edits(void **state) {
+    (void)state;
+    for (int checkpoints = 0; checkpoints < 2; checkpoints++) {
+        const char *journal = session_path("edits.strokes");
+        session_remove_files(journal);
+        iso_session_opts opts = {.journal = journal, .checkpoint_strokes = checkpoints ? 4 : -1};
+        iso_session *session = session_open(&opts);
+        uint32_t seed = 60 + (uint32_t)checkpoints;
+        for (int i = 0; i < 12; i++) draw(session, &seed, 0);
+        for (int i = 0; i < 10; i++) edit(session, i % 5, &seed);
+        iso_event event = {.kind = ISO_EVENT_GROUP, .first = 1, .last = 12, .text = "a \"group\""};
+        assert_int_equal(iso_session_edit(session, &event, NULL), ISO_OK);
+        assert_int_equal(iso_session_undo(session, NULL), ISO_OK);
+        assert_int_equal(iso_session_redo(session, NULL), ISO_OK);
+        session_field wanted = session_field_of(session);
+        iso_session_destroy(session);
+        opts.resume = true;
+        opts.checkpoint_strokes = -1;
+        for (int again = 0; again < 2; again++) {
+            session = session_open(&opts);
+            assert_true(session_is(session, &wanted));
+            if (again) break;
+            edit(session, 0, &seed); /* it can be continued */
+            assert_is_fresh(session);
+            session_field_free(&wanted);
+            wanted = session_field_of(session);
+            iso_session_destroy(session);
+        }
+        iso_session_destroy(session);
+        session_field_free(&wanted);
+        session_remove_files(journal);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(edits_equal_a_fresh_replay),
+        cmocka_unit_test(only_what_is_reached_is_drawn),
+        cmocka_unit_test(refusals_change_nothing),
+        cmocka_unit_test(journals_hold_edits),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
