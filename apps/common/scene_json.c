@@ -258,7 +258,8 @@ static iso_status check_file(const char *scene_path, const json_t *file, iso_err
     if (!found) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     if (access(found, F_OK) != 0 && !iso_loader_is_scene(path)) {
         free(found);
-        return iso_fail(error, ISO_ERR_IO, "%s: %s, of which it was drawn, is not beside it", scene_path, path);
+        return iso_fail(error, ISO_ERR_IO, "%s: %s, of which it was drawn, is not beside it", scene_path,
+                        path);
     }
     bool failed = false;
     const bool same = !find_fingerprint(found, now, &failed) || strcmp(now, known) == 0;

@@ -238,8 +238,7 @@ static iso_status rename_bars(const char *list, iso_color_bar *bars, int count, 
     if (name_count(list) != count)
         return iso_fail(error, ISO_ERR_USAGE, "--color-bar: %d titles for %d colour bars", name_count(list),
                         count);
-    for (int i = 0; i < count; i++)
-        take_name(&at, separator_of(list), bars[i].title, sizeof bars[i].title);
+    for (int i = 0; i < count; i++) take_name(&at, separator_of(list), bars[i].title, sizeof bars[i].title);
     return ISO_OK;
 }
 

@@ -228,8 +228,7 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
     /* Bounds tell whether the surface is closed: of closed ones, pyramids leave out points that face away. */
     scene->bounded = isorender_has_reconstructions(job->method) || job->method == ISO_METHOD_HYBRID;
     ISO_TRY(iso_scene_surface_update(scene, ISO_PART_POINTS, error));
-    if (scene->filter != ISO_FILTER_LINEAR)
-        ISO_TRY(iso_scene_surface_smooth(scene, ISO_PART_POINTS, error));
+    if (scene->filter != ISO_FILTER_LINEAR) ISO_TRY(iso_scene_surface_smooth(scene, ISO_PART_POINTS, error));
     const iso_points_stats stats = iso_point_set_stats(scene->points);
     job->point_count += stats.points;
     job->rejected += stats.rejected;

@@ -24,6 +24,14 @@ for cpu in generic avx2 avx512; do
     ISO_CPU=$cpu isorender $options --clip 'y<2' --cap slice:viridis --slice z=20 --samples 4 $cpu.png --threads ${#cpu}
     cmp generic.png $cpu.png
 done
+isorender $options --clip 'y<2' --cap slice plain.png
+isorender $options --clip 'y<2' --cap slice --color-bar=T2 bar.png # at the right, the rest as without it
+isorender $options --clip 'y<2' --cap slice --color-bar=T1 other.png
+if cmp -s bar.png plain.png || cmp -s bar.png other.png; then echo "no bar or no title"; exit 1; fi
+isorender_refuses 2 "2 titles for 1 colour bars" $options --clip 'y<2' --cap slice '--color-bar=a;b'
+mkdir moved
+cp cap3.png moved/
+refuses 3 'moved/cap3.png: in/v.mha, of which it was drawn, is not beside it' isorender --again moved/cap3.png x.png
 isorender --again cap3.png again.png --quiet
 cmp cap3.png again.png
 python3 - <<'P'

@@ -62,6 +62,6 @@ isorender --glyphs in/dots.csv --color-by heat --lines in/two.obj --line-color 1
 python3 -c "import json, sys
 objects = json.load(open('own.json'))['objects']
 sys.exit(not ('range' in objects[0] and 'range' not in objects[1]))"
-isorender_refuses 2 "give both" --glyphs in/dots.csv --color-bar
+isorender_refuses 2 "none of them is given" --glyphs in/dots.csv --color-bar
 isorender_refuses 2 "a radius of -1 mm" --lines in/two.obj --tube-radius -1
 rm -f said

@@ -57,3 +57,6 @@ expect("scale_bar_mm" not in m and m["scale_bar"] == n["scale_bar"] == 2, m["sca
 expect(Png("m.png").rows != Png("n.png").rows, "the scale bars are labelled alike")
 P
 isorender in/extra.las e.png --quiet --resolution 60x60 --color-by reflectance --color-bar
+isorender in/extra.las z.png --quiet --resolution 60x60 --color-by z --color-bar='height (m)' # coordinates are columns
+isorender in/extra.las x.png --quiet --resolution 60x60 --color-by x --color-bar='height (m)'
+if cmp -s z.png x.png; then echo "coloured alike by x and z"; exit 1; fi
