@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEGREE = 9, N = DEGREE + 1 };
+enum { DEGREE = 9, TERMS = DEGREE + 1 };
 
 /* Four B-spline coefficients, `step` apart, to Bernstein coefficients. */
 static void to_bernstein(double *c, int step) {
@@ -55,13 +55,13 @@ static void add_product(const double *a, int degree, const double by[4], double 
 }
 
 static void along_line(const double b[ISO_SPLINE_COEFFICIENTS], const double from[3], const double to[3],
-                       double p[N]) {
-    static const double choose[N] = {1, 9, 36, 84, 126, 126, 84, 36, 9, 1};
+                       double p[TERMS]) {
+    static const double choose[TERMS] = {1, 9, 36, 84, 126, 126, 84, 36, 9, 1};
     double x[4][4], y[4][4], z[4][4];
     along(from[0], to[0], x);
     along(from[1], to[1], y);
     along(from[2], to[2], z);
-    memset(p, 0, N * sizeof *p);
+    memset(p, 0, TERMS * sizeof *p);
     for (int k = 0; k < 4; k++) {
         double slice[7] = {0};
         for (int j = 0; j < 4; j++) {
@@ -72,19 +72,19 @@ static void along_line(const double b[ISO_SPLINE_COEFFICIENTS], const double fro
         }
         add_product(slice, 6, z[k], p);
     }
-    for (int i = 0; i < N; i++) p[i] /= choose[i];
+    for (int i = 0; i < TERMS; i++) p[i] /= choose[i];
 }
 
 /* Splits the polynomial at s by de Casteljau's algorithm: `p` becomes the lower part. */
-static void split(double p[N], double s, double upper[N]) {
-    for (int level = 0; level < N; level++) {
+static void split(double p[TERMS], double s, double upper[TERMS]) {
+    for (int level = 0; level < TERMS; level++) {
         upper[DEGREE - level] = p[DEGREE];
         for (int i = DEGREE; i > level; i--) p[i] = p[i - 1] * (1 - s) + p[i] * s;
     }
 }
 
-static double value(const double p[N], double s, double *slope) {
-    double q[N];
+static double value(const double p[TERMS], double s, double *slope) {
+    double q[TERMS];
     memcpy(q, p, sizeof q);
     for (int level = 0; level < DEGREE - 1; level++)
         for (int i = 0; i < DEGREE - level; i++) q[i] = q[i] * (1 - s) + q[i + 1] * s;
@@ -93,7 +93,7 @@ static double value(const double p[N], double s, double *slope) {
 }
 
 /* The only root in [0, 1], by Newton's method within a bracket. */
-static double only_root(const double p[N]) {
+static double only_root(const double p[TERMS]) {
     double lo = 0, hi = 1, s = 0.5;
     const bool low = p[0] >= 0;
     for (int step = 0; step < 100 && hi - lo > 1e-13; step++) {
@@ -112,15 +112,15 @@ static double only_root(const double p[N]) {
 }
 
 /* Adds the changes of state in [lo, hi], where the polynomial has the coefficients p. */
-static void isolate(const double p[N], double lo, double hi, iso_spline_crossings *to) {
+static void isolate(const double p[TERMS], double lo, double hi, iso_spline_crossings *to) {
     int changes = 0;
-    for (int i = 1; i < N; i++) changes += (p[i] >= 0) != (p[i - 1] >= 0);
+    for (int i = 1; i < TERMS; i++) changes += (p[i] >= 0) != (p[i - 1] >= 0);
     if (!changes || to->count == ISO_SPLINE_ROOTS) return;
     if (changes == 1 || hi - lo < 1e-9) {
         if ((p[0] >= 0) != (p[DEGREE] >= 0)) to->root[to->count++] = lo + (hi - lo) * only_root(p);
         return;
     }
-    double lower[N], upper[N];
+    double lower[TERMS], upper[TERMS];
     memcpy(lower, p, sizeof lower);
     split(lower, 0.5, upper);
     isolate(lower, lo, 0.5 * (lo + hi), to);
@@ -129,7 +129,7 @@ static void isolate(const double p[N], double lo, double hi, iso_spline_crossing
 
 void iso_spline_cross(const double b[ISO_SPLINE_COEFFICIENTS], const double from[3], const double to[3],
                       iso_spline_crossings *crossings) {
-    double p[N];
+    double p[TERMS];
     along_line(b, from, to, p);
     crossings->count = 0;
     crossings->first = p[0] >= 0;
