@@ -8,6 +8,7 @@
 #include "apps/common/template.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
+#include "apps/isorender/cuts.h"
 #include "apps/isorender/labels.h"
 #include "apps/isorender/segmentation.h"
 #include "image/font.h"
