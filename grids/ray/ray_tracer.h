@@ -1,10 +1,10 @@
-/* ray_tracer: where rays cross an isosurface of a grid's trilinear field, or of its spline: every crossing, in
- * order, in double precision, to 1e-4 voxel.
+/* ray_tracer: where rays cross an isosurface of a grid's trilinear field, or of its spline: every
+ * crossing, in order, in double precision, to 1e-4 voxel.
  *
- * A crossing is a change between "at or above the isovalue" and "below" (grids/threshold.h). Cells with a NaN
- * or infinite corner are empty. The code is simple rather than fast: the ray caster, which judges other
- * renderers, is made of it, and renderers use it for the few pixels for which floats are not precise enough.
- */
+ * A crossing is a change between "at or above the isovalue" and "below" (grids/threshold.h). Cells with a
+ * NaN or infinite corner are empty. The code is simple rather than fast: the ray caster, which judges
+ * other renderers, is made of it, and renderers use it for the few pixels for which floats are not
+ * precise enough. */
 #ifndef ISO_GRIDS_RAY_RAY_TRACER_H
 #define ISO_GRIDS_RAY_RAY_TRACER_H
 

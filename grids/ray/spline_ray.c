@@ -1,7 +1,7 @@
-/* spline_ray: along a line a tricubic field is a polynomial of degree nine. Its Bernstein coefficients are
- * computed from those of the cell by the products of its three cubics (all numbers added have the signs of
- * their coefficients, so nothing cancels), and its roots are isolated by halving while the coefficients change
- * sign more than once: Lane and Riesenfeld 1981, "Bounds on a polynomial". */
+/* spline_ray: along a line a tricubic field is a polynomial of degree nine. Its Bernstein coefficients
+ * are computed from those of the cell by the products of its three cubics (all numbers added have the
+ * signs of their coefficients, so nothing cancels), and its roots are isolated by halving while the
+ * coefficients change sign more than once: Lane and Riesenfeld 1981, "Bounds on a polynomial". */
 #include "grids/ray/spline_ray.h"
 
 #include <math.h>
@@ -33,8 +33,8 @@ bool iso_spline_bernstein(double c[ISO_SPLINE_COEFFICIENTS], double isovalue) {
     return lo <= slack && hi >= -slack;
 }
 
-/* The cubic Bernstein polynomials of an axis, as polynomials along the line: the blossom of each. power[i][k]:
- * of polynomial i the coefficient of s^k (1 - s)^(3 - k). */
+/* The cubic Bernstein polynomials of an axis, as polynomials along the line: the blossom of each.
+ * power[i][k]: of polynomial i the coefficient of s^k (1 - s)^(3 - k). */
 static void along(double from, double to, double power[4][4]) {
     static const double choose[4] = {1, 3, 3, 1};
     for (int k = 0; k < 4; k++) {

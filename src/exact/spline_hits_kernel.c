@@ -1,5 +1,5 @@
-/* spline_hits_kernel: the polynomial of a cell, and its roots along rays near where they are expected. All loops
- * over hits have independent iterations, which compilers turn into vectors. */
+/* spline_hits_kernel: the polynomial of a cell, and its roots along rays near where they are expected.
+ * All loops over hits have independent iterations, which compilers turn into vectors. */
 #include "exact/spline_hits_kernel.h"
 
 #include <math.h>

@@ -289,8 +289,8 @@ static iso_status render_gaussians(drawing *d, iso_picture_opts *opts, iso_image
     return status;
 }
 
-/* Whether the picture needs no gbuffer: one exact trilinear surface with one sample a pixel, and nothing beside
- * it. */
+/* Whether the picture needs no gbuffer: one exact trilinear surface with one sample a pixel, and nothing
+ * beside it. */
 static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
     return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && !scene->caps &&
            iso_scene_colors(scene) == 1 && scene->count == 1 && !scene->surfaces[0].surface->spline &&

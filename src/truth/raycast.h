@@ -22,8 +22,8 @@ typedef struct iso_raycaster iso_raycaster;
 /* isovalue is physical (grids/grid.h). `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_raycaster_create(const iso_grid *grid, double isovalue, iso_pool *pool, iso_raycaster **caster,
                                 iso_error *error);
-/* The same of a spline, which is borrowed, with its grid: the truth of smooth surfaces. The normals are those of
- * the spline, or of scans those of the smoothed one (iso_spline_has_smoothed_normals). */
+/* The same of a spline, which is borrowed, with its grid: the truth of smooth surfaces. The normals are
+ * those of the spline, or of scans those of the smoothed one (iso_spline_has_smoothed_normals). */
 iso_status iso_raycaster_create_spline(const iso_spline *spline, double isovalue, iso_pool *pool,
                                        iso_raycaster **caster, iso_error *error);
 void iso_raycaster_destroy(iso_raycaster *caster);

@@ -576,7 +576,7 @@ static void make_dabs(const iso_editor *editor, const iso_brush *brush, const is
 }
 
 int iso_editor_ranges(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
-                      iso_cell_range ranges[ISO_EDITOR_RANGES]) {
+                      iso_cell_box ranges[ISO_EDITOR_RANGES]) {
     enum { RINGS = 2 };
     iso_dabs dabs;
     make_dabs(editor, brush, touch, &dabs);

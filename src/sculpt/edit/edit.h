@@ -65,17 +65,17 @@ void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts);
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                             iso_edit_stats *stats, iso_error *error);
 
-/* Ranges of cells, first and last along each axis: one for each mirror image of a touch. */
+/* Boxes of cells, first and last along each axis: one for each mirror image of a touch. */
 enum { ISO_EDITOR_RANGES = 8 };
-typedef struct iso_cell_range {
+typedef struct iso_cell_box {
     int lo[3], hi[3];
-} iso_cell_range;
+} iso_cell_box;
 /* Finds all cells that the touch and the end of its stroke can read or write, in this grid: those of the
  * brush's influence and two more around them (a touch lists neighbours of the cells that it edits, and reads
  * the neighbours of those). Returns the number of ranges. CLEAR_MASK and INVERT_MASK also read and write the
  * mask of every cell. */
 int iso_editor_ranges(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
-                      iso_cell_range ranges[ISO_EDITOR_RANGES]);
+                      iso_cell_box ranges[ISO_EDITOR_RANGES]);
 
 /* Returns the cost of all touches and finalizations so far, mirror images included. The unit is the editing
  * of one cell with a plain brush (about 10 microseconds). The same on every machine. */

@@ -26,7 +26,7 @@ typedef struct drawn {
     iso_brush brush;
     version *versions; /* what it wrote */
     size_t count;
-    iso_cell_range *ranges; /* of all that it can read; the first contains the others */
+    iso_cell_box *ranges; /* of all that it can read; the first contains the others */
     size_t range_count;
     bool kept; /* by the update that is being made */
 } drawn;
@@ -51,7 +51,7 @@ struct iso_versions {
     /* of the stroke that is being drawn: */
     iso_buffer written; /* cell_key */
     size_t written_count;
-    iso_buffer ranges; /* iso_cell_range */
+    iso_buffer ranges; /* iso_cell_box */
     size_t range_count;
 };
 
@@ -259,7 +259,7 @@ static const float *original(void *context, uint32_t cell, int32_t *state) {
     return iso_history_step_opts(v->history).original(v->history, cell, state);
 }
 
-static bool contains(const iso_cell_range *outer, const iso_cell_range *inner) {
+static bool contains(const iso_cell_box *outer, const iso_cell_box *inner) {
     bool within = true;
     for (int axis = 0; axis < 3; axis++)
         within &= inner->lo[axis] >= outer->lo[axis] && inner->hi[axis] <= outer->hi[axis];
@@ -271,12 +271,12 @@ static iso_status add_ranges(void *context, const iso_brush *brush, const iso_to
                              iso_error *error) {
     enum { RECENT = 16 };
     iso_versions *v = context;
-    iso_cell_range made[ISO_EDITOR_RANGES];
+    iso_cell_box made[ISO_EDITOR_RANGES];
     ISO_TRY(iso_brush_check(brush, error));
     const int count = iso_editor_ranges(v->editor, brush, touch, made);
     ISO_TRY(iso_buffer_reserve(&v->ranges, (v->range_count + (size_t)count + 1) * sizeof *made,
                                v->range_count * sizeof *made, error));
-    iso_cell_range *ranges = v->ranges.data;
+    iso_cell_box *ranges = v->ranges.data;
     if (!v->range_count) ranges[v->range_count++] = made[0];
     for (int i = 0; i < count; i++) {
         bool known = false;
@@ -309,7 +309,7 @@ static iso_status follow(iso_versions *v, const iso_stroke *stroke,
 
 /* Brings all that a stroke can read to this place of the new list. */
 static iso_status restore_ranges(iso_versions *v, bool whole_mask, iso_error *error) {
-    const iso_cell_range *ranges = v->ranges.data;
+    const iso_cell_box *ranges = v->ranges.data;
     for (size_t i = 1; i < v->range_count; i++)
         for (int z = ranges[i].lo[2]; z <= ranges[i].hi[2]; z++)
             for (int y = ranges[i].lo[1]; y <= ranges[i].hi[1]; y++) {
@@ -377,7 +377,7 @@ static iso_status draw_stroke(iso_versions *v, const iso_stroke *stroke, drawn *
 static bool reads_dirty(const iso_versions *v, const drawn *d) {
     const bool whole_mask = iso_tool_is_whole_mask(d->brush.tool);
     for (size_t i = 0; i < v->dirty_count; i++) {
-        iso_cell_range cell;
+        iso_cell_box cell;
         if (whole_mask && v->dirty[i] & 1) return true;
         iso_hgrid_cell_position(v->grid, v->dirty[i] / 2, cell.lo);
         memcpy(cell.hi, cell.lo, sizeof cell.hi);

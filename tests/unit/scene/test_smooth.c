@@ -217,8 +217,8 @@ static void exact_draws_what_the_ray_caster_draws(void **state) {
         printf("%s at %.1f pixels a voxel: of %d samples %d missing, %d extra, %d beyond 1e-3 voxel, %d "
                "tilted\n",
                s->name, view.focal, hits, missing, extra, deep, tilted);
-        /* the samples at half the spacing, from which Newton's method starts, lose a hem of each outline: there
-         * is nothing, or what lies behind it */
+        /* the samples at half the spacing, from which Newton's method starts, lose a hem of each outline:
+         * there is nothing, or what lies behind it */
         assert_true(missing + deep <= hits / 300 && extra <= hits / 1000 && tilted <= hits / 1000);
         iso_gbuffer_free(&a);
         iso_gbuffer_free(&b);
