@@ -194,21 +194,6 @@ static void surfaces_are_near_analytic_ones(void **state) {
     }
 }
 
-/* The number of samples beside which a neighbour shows nothing, or something more than a voxel behind. */
-static int outline_length(const iso_gbuffer *g) {
-    int length = 0;
-    for (int k = 0; k < SIZE * SIZE; k++) {
-        if (g->surface[k] == ISO_SURFACE_NONE) continue;
-        const int x = k % SIZE, y = k / SIZE,
-                  beside[4] = {x > 0 ? k - 1 : k, x + 1 < SIZE ? k + 1 : k, y > 0 ? k - SIZE : k,
-                               y + 1 < SIZE ? k + SIZE : k};
-        bool edge = false;
-        for (int i = 0; i < 4; i++) edge |= g->depth[beside[i]] > g->depth[k] + 1;
-        length += edge;
-    }
-    return length;
-}
-
 static void exact_draws_what_the_ray_caster_draws(void **state) {
     (void)state;
     for (int i = 0; i < 2 * SOLID_COUNT; i++) {
