@@ -256,16 +256,15 @@ static iso_status check_file(const char *scene_path, const json_t *file, iso_err
         return iso_fail(error, ISO_ERR_FORMAT, "%s: a file without path and fingerprint", scene_path);
     char *found = iso_scene_json_find(scene_path, path);
     if (!found) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    if (access(found, F_OK) != 0 && !iso_loader_is_scene(path)) {
-        free(found);
-        return iso_fail(error, ISO_ERR_IO, "%s: %s, of which it was drawn, is not beside it", scene_path,
-                        path);
-    }
     bool failed = false;
     const bool same = !find_fingerprint(found, now, &failed) || strcmp(now, known) == 0;
+    const bool missing = access(found, F_OK) != 0;
     free(found);
     if (failed) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     if (same) return ISO_OK;
+    if (missing)
+        return iso_fail(error, ISO_ERR_IO, "%s: %s, of which it was drawn, is not beside it", scene_path,
+                        path);
     return iso_fail(error, ISO_ERR_FORMAT,
                     "%s: %s is not the file that it was drawn from (a file named behind the scene is taken "
                     "whatever it holds)",

@@ -30,7 +30,7 @@ cases = {
     "begin_twice": (None, [begin(), begin(), end], 3, "a stroke is being drawn"),
     "undo_nothing": (None, [begin(), end, {"event": "undo"}, {"event": "undo"}, end], 5, "nothing to undo"),
     "redo_nothing": (None, [begin(), end, {"event": "redo"}], 4, "nothing to redo"),
-    "undo_in_stroke": (None, [begin(), {"event": "undo"}], 3, "a step is open"),
+    "undo_in_stroke": (None, [begin(), {"event": "undo"}], 3, "a stroke is being drawn"),
     "last_line": (None, [begin(), end, begin(radius=1e30)], 4, "radius 1e+30 mm"),
     "snapshot": (None, [{"event": "snapshot", "file": "x", "after": 9}, end], 2, "snapshot after 9"),
     "no_stamp": (None, [begin(shape="stamp"), end], 2, "stamp"),
