@@ -30,6 +30,7 @@ differ = lambda a, b, by: sum(max(abs(x - y) for x, y in zip(p, q)) > by for p, 
 for name in ("ball-cubic", "ball-interpolating", "noise-cubic", "noise-interpolating", "clip"):
     off = differ(name + ".png", name + "-truth.png", 2)
     expect(off <= 60, name, "differs in", off, "pixels")
+expect(differ("noise-cubic.png", "generic.png", 0) == 0, "kernels draw something else")
 off = differ("layers.png", "layers-truth.png", 12)
 expect(off <= 600, "layers differ in", off, "pixels")
 expect(differ("noise-cubic.png", "linear.png", 8) > 2000, "not smooth")
