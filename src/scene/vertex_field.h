@@ -1,4 +1,5 @@
-/* vertex_field: numbers of a mesh's vertices, anywhere on the mesh: interpolated in the triangle that is nearest. */
+/* vertex_field: numbers of a mesh's vertices, anywhere on the mesh: interpolated in the triangle that is
+ * nearest. */
 #ifndef ISO_SCENE_VERTEX_FIELD_H
 #define ISO_SCENE_VERTEX_FIELD_H
 
@@ -10,7 +11,8 @@
 typedef struct iso_vertex_field iso_vertex_field;
 
 /* Numbers by vertex, or labels with their colours (NULL: numbers): of labels a place has that of the nearest
- * of its triangle's corners. Not finite: none. All is copied. ISO_ERR_EMPTY: there is no triangle; ISO_ERR_NOMEM. */
+ * of its triangle's corners. Not finite: none. All is copied. ISO_ERR_EMPTY: there is no triangle;
+ * ISO_ERR_NOMEM. */
 iso_status iso_vertex_field_create(const iso_triangles *mesh, const float *values, const uint8_t (*colors)[3],
                                    iso_vertex_field **field, iso_error *error);
 void iso_vertex_field_destroy(iso_vertex_field *field); /* NULL is allowed */
