@@ -176,7 +176,7 @@ typedef struct isorender_settings {
     int channel_count;
     double line_min_pixels;  /* least width of lines in the picture, pixels */
     double line_drop_pixels; /* by how much dropped vertices may move outlines of lines, pixels */
-    int color_bar; /* with bar_titles */
+    int color_bar;           /* with bar_titles */
     isorender_coloring_settings colorings[ISORENDER_COLORINGS]; /* of --surface-color-by */
     int coloring_count;
 
@@ -212,16 +212,16 @@ typedef struct isorender_settings {
 
     iso_note notes[ISORENDER_NOTES]; /* of --text, --arrow and --ruler; texts are borrowed from argv */
     int note_count;
-    int has_inset, inset_corner; /* iso_corner */
-    double inset[4];             /* as iso_inset.box */
+    int has_inset, inset_corner;           /* iso_corner */
+    double inset[4];                       /* as iso_inset.box */
     const char *legend_names, *bar_titles; /* NULL: those of labels, files, isovalues and columns */
-    double font_size;            /* points, 1/72 inch; 0: by the picture's size */
-    const char *panels;          /* of --panels; NULL: one picture */
-    iso_texts panel_files;       /* the files of further panels */
-    const char *panel_titles;    /* NULL: what differs */
-    int panel_columns;           /* 0: not given */
-    isorender_panel *panel;      /* borrowed; the picture is one of --panels; NULL: it is a file of its own */
-    int argc;                    /* the command line that this is made of, for panels */
+    double font_size;                      /* points, 1/72 inch; 0: by the picture's size */
+    const char *panels;                    /* of --panels; NULL: one picture */
+    iso_texts panel_files;                 /* the files of further panels */
+    const char *panel_titles;              /* NULL: what differs */
+    int panel_columns;                     /* 0: not given */
+    isorender_panel *panel; /* borrowed; the picture is one of --panels; NULL: it is a file of its own */
+    int argc;               /* the command line that this is made of, for panels */
     char *const *argv;
 
     int same_view;

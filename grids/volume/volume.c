@@ -227,11 +227,10 @@ static iso_status fail_unknown(const char *path, const head *h, iso_error *error
     iso_file_type_extensions(ISO_HOLDS_VOLUME, 0, "", volumes, sizeof volumes);
     iso_file_type_extensions(ISO_HOLDS_MESH | ISO_HOLDS_LINES | ISO_HOLDS_GLYPHS, ISO_HOLDS_VOLUME, "and",
                              others, sizeof others);
-    return iso_fail(
-        error, ISO_ERR_FORMAT,
-        "%s: not a volume that can be read: it reads %s, folders of PNG slices, Zarr and DICOM "
-        "folders, and raw data with --raw; points and shapes are %s",
-        path, volumes, others);
+    return iso_fail(error, ISO_ERR_FORMAT,
+                    "%s: not a volume that can be read: it reads %s, folders of PNG slices, Zarr and DICOM "
+                    "folders, and raw data with --raw; points and shapes are %s",
+                    path, volumes, others);
 }
 
 static iso_status find_format(const char *path, request *r, const iso_format **format, iso_error *error) {
