@@ -203,43 +203,28 @@ static void add_surface(const isorender_job *job, const isorender_surface *surfa
         add_file(l, surface->loader->input, surface->color);
 }
 
-/* Names in a list, between semicolons, or between commas if there are none. */
-static char separator_of(const char *list) {
-    return strchr(list, ';') ? ';' : ',';
-}
-
-static int name_count(const char *list) {
-    int count = 1;
-    for (const char *c = list; *c; c++) count += *c == separator_of(list);
-    return count;
-}
-
-/* Takes the next name of a list. */
-static void take_name(const char **at, char separator, char *name, size_t size) {
-    const size_t length = strcspn(*at, (const char[]){separator, 0});
-    snprintf(name, size, "%.*s", (int)length, *at);
-    *at += length + ((*at)[length] != 0);
-}
-
-/* Replaces the names by those of the list, which are as many. */
-static iso_status rename_entries(const char *list, legend *l, iso_error *error) {
-    const char *at = list;
-    if (name_count(list) != l->count)
-        return iso_fail(error, ISO_ERR_USAGE, "--legend: %d names for %d surfaces, labels and objects",
-                        name_count(list), l->count);
-    for (int i = 0; i < l->count; i++) {
-        take_name(&at, separator_of(list), l->names[i], NAME);
-        l->entries[i].name = l->names[i];
+/* Copies the names of a list, which stand between semicolons, or between commas if there are none, and of
+ * which there must be `count`, to texts of `size` bytes that are `step` bytes apart. */
+static iso_status take_names(const char *list, const char *option, const char *what, int count, char *names,
+                             size_t step, size_t size, iso_error *error) {
+    const char *separator = strchr(list, ';') ? ";" : ",";
+    int found = 1;
+    for (const char *c = list; *c; c++) found += *c == *separator;
+    if (found != count)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: %d names for %d %s", option, found, count, what);
+    for (int i = 0; i < count; i++) {
+        const size_t length = strcspn(list, separator);
+        snprintf(names + (size_t)i * step, size, "%.*s", (int)length, list);
+        list += length + (list[length] != 0);
     }
     return ISO_OK;
 }
 
-static iso_status rename_bars(const char *list, iso_color_bar *bars, int count, iso_error *error) {
-    const char *at = list;
-    if (name_count(list) != count)
-        return iso_fail(error, ISO_ERR_USAGE, "--color-bar: %d titles for %d colour bars", name_count(list),
-                        count);
-    for (int i = 0; i < count; i++) take_name(&at, separator_of(list), bars[i].title, sizeof bars[i].title);
+/* Replaces the names by those of the list. */
+static iso_status rename_entries(const char *list, legend *l, iso_error *error) {
+    ISO_TRY(take_names(list, "--legend", "surfaces, labels and objects", l->count, l->names[0],
+                       sizeof l->names[0], sizeof l->names[0], error));
+    for (int i = 0; i < l->count; i++) l->entries[i].name = l->names[i];
     return ISO_OK;
 }
 
@@ -320,7 +305,8 @@ iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *c
     iso_status status =
         settings->legend_names && last ? rename_entries(settings->legend_names, l, error) : ISO_OK;
     if (status == ISO_OK && settings->bar_titles && last)
-        status = rename_bars(settings->bar_titles, bars, bar_count, error);
+        status = take_names(settings->bar_titles, "--color-bar", "bar(s)", bar_count, bars[0].title,
+                            sizeof bars[0], sizeof bars[0].title, error);
     if (status == ISO_OK && settings->has_inset) status = make_inset(job, frame, enlarge, &inset, error);
     if (status == ISO_OK && frame == 0) tell_outside(job, camera);
     iso_annotation annotation = {.camera = camera,

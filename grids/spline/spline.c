@@ -36,11 +36,6 @@ const iso_grid *iso_spline_grid(const iso_spline *spline) {
     return &spline->grid;
 }
 
-size_t iso_spline_bytes(const iso_spline *spline) {
-    const int *dims = iso_grid_dims(&spline->grid);
-    return spline->coefficients ? (size_t)dims[0] * (size_t)dims[1] * (size_t)dims[2] * sizeof(float) : 0;
-}
-
 bool iso_spline_has_smoothed_normals(const iso_spline *spline) {
     return spline->grid.rgrid && spline->grid.rgrid->type != ISO_FLOAT32;
 }

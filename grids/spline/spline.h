@@ -27,7 +27,6 @@ iso_status iso_spline_create(const iso_grid *grid, iso_filter filter, iso_pool *
 void iso_spline_destroy(iso_spline *spline);
 
 const iso_grid *iso_spline_grid(const iso_spline *spline);
-size_t iso_spline_bytes(const iso_spline *spline); /* of the coefficients that are kept; 0: none */
 
 /* Whether normals are those of the spline that has the voxels themselves as coefficients: of volumes of
  * integers, scans, whose noise the drawn spline's gradient amplifies twice as much. */

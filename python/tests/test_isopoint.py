@@ -156,6 +156,21 @@ class Pictures(unittest.TestCase):
                 ours = isopoint.Surface(volume, isovalue, color=PALETTE).render(method=method, **how)._repr_png_()
                 self.assertEqual(zlib.crc32(idat(ours)), zlib.crc32(idat(theirs)), (method, options, command))
 
+    def test_filter(self):
+        """The smooth surface is isorender's, and another one than the trilinear."""
+        with tempfile.TemporaryDirectory() as folder:
+            ball, path = bumpy(32), f"{folder}/picture.png"
+            ball.tofile(f"{folder}/ball.raw")
+            subprocess.run([ISORENDER, "-q", "--fit", "box", "--raw", "32x32x32:uint8", "--isovalue", "128", "-o", path,
+                            "--reconstruction-filter", "cubic", f"{folder}/ball.raw"], check=True)
+            with open(path, "rb") as stream:
+                theirs = stream.read()
+        surface = isopoint.Surface(isopoint.Volume(ball), 128, color=PALETTE)
+        self.assertEqual(idat(surface.render(filter="cubic")._repr_png_()), idat(theirs))
+        self.assertNotEqual(idat(surface.render()._repr_png_()), idat(theirs))
+        with self.assertRaises(ValueError):
+            surface.render(filter="soft")
+
     def test_numbers(self):
         s = isopoint.Surface(bumpy(), 128)
         g = isopoint.Glyphs([[10, 10, 10], [50, 50, 50]], radius=4, color="FF0000")

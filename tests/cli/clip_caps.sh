@@ -28,7 +28,7 @@ isorender $options --clip 'y<2' --cap slice plain.png
 isorender $options --clip 'y<2' --cap slice --color-bar=T2 bar.png # at the right, the rest as without it
 isorender $options --clip 'y<2' --cap slice --color-bar=T1 other.png
 if cmp -s bar.png plain.png || cmp -s bar.png other.png; then echo "no bar or no title"; exit 1; fi
-isorender_refuses 2 "2 titles for 1 colour bars" $options --clip 'y<2' --cap slice '--color-bar=a;b'
+isorender_refuses 2 "2 names for 1 bar" $options --clip 'y<2' --cap slice '--color-bar=a;b'
 mkdir moved
 cp cap3.png moved/
 refuses 3 'moved/in/v.mha: cannot read: No such file' isorender --again moved/cap3.png x.png

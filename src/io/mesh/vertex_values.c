@@ -26,16 +26,6 @@ void iso_vertex_values_free(iso_vertex_values *values) {
 
 /* ---- FreeSurfer */
 
-/* Loads a file, and refuses names of arrays: it has one. */
-static iso_status load(iso_mesh_reading *r, const char *array, iso_buffer *buffer, size_t *bytes,
-                       iso_error *error) {
-    if (array)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: there is no array %.60s: the file has one", r->path,
-                        array);
-    r->text = iso_reading_begin(r->path, NULL, &r->report);
-    return iso_reading_load(&r->text, buffer, bytes, error);
-}
-
 static iso_status truncated(const iso_mesh_reading *r, iso_error *error) {
     return iso_fail(error, ISO_ERR_IO, "%s: truncated", r->path);
 }
@@ -59,16 +49,6 @@ static iso_status take_curv(const iso_mesh_reading *r, const unsigned char *at, 
     for (size_t i = 0; i < values->count; i++)
         values->values[i] = (float)iso_scalar_load(at + 15 + 4 * i, ISO_SCALAR_FLOAT, true);
     return ISO_OK;
-}
-
-iso_status iso_vertex_values_read_curv(iso_mesh_reading *r, const char *array, iso_vertex_values *values,
-                                       iso_error *error) {
-    iso_buffer buffer = {0};
-    size_t bytes = 0;
-    iso_status status = load(r, array, &buffer, &bytes, error);
-    if (status == ISO_OK) status = take_curv(r, buffer.data, bytes, values, error);
-    iso_reading_free(&r->text, &buffer);
-    return status;
 }
 
 /* Pairs of a vertex and its label, which is its colour in one number; 0: it has none. Vertices that the file
@@ -97,14 +77,32 @@ static iso_status take_annot(const iso_mesh_reading *r, const unsigned char *at,
     return ISO_OK;
 }
 
-iso_status iso_vertex_values_read_annot(iso_mesh_reading *r, const char *array, iso_vertex_values *values,
-                                        iso_error *error) {
+typedef iso_status take_values(const iso_mesh_reading *r, const unsigned char *at, size_t bytes,
+                               iso_vertex_values *values, iso_error *error);
+
+/* Reads a file, which has no arrays with names. */
+static iso_status read_with(take_values *take, iso_mesh_reading *r, const char *array,
+                            iso_vertex_values *values, iso_error *error) {
     iso_buffer buffer = {0};
     size_t bytes = 0;
-    iso_status status = load(r, array, &buffer, &bytes, error);
-    if (status == ISO_OK) status = take_annot(r, buffer.data, bytes, values, error);
+    if (array)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: there is no array %.60s: the file has one", r->path,
+                        array);
+    r->text = iso_reading_begin(r->path, NULL, &r->report);
+    iso_status status = iso_reading_load(&r->text, &buffer, &bytes, error);
+    if (status == ISO_OK) status = take(r, buffer.data, bytes, values, error);
     iso_reading_free(&r->text, &buffer);
     return status;
+}
+
+iso_status iso_vertex_values_read_curv(iso_mesh_reading *r, const char *array, iso_vertex_values *values,
+                                       iso_error *error) {
+    return read_with(take_curv, r, array, values, error);
+}
+
+iso_status iso_vertex_values_read_annot(iso_mesh_reading *r, const char *array, iso_vertex_values *values,
+                                        iso_error *error) {
+    return read_with(take_annot, r, array, values, error);
 }
 
 /* ---- any */

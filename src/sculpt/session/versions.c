@@ -545,13 +545,6 @@ void iso_versions_change_values(const iso_versions *v, size_t index, void *value
     unpack(v, changed_to(v, index), values);
 }
 
-unsigned iso_versions_writer(const iso_versions *v, uint32_t cell) {
-    for (size_t i = v->count; i-- > 0;)
-        for (size_t k = 0; k < v->list[i]->count; k++)
-            if (v->list[i]->versions[k].key == 2 * cell) return v->list[i]->number;
-    return 0;
-}
-
 iso_versions_stats iso_versions_get_stats(const iso_versions *v) {
     iso_versions_stats stats = v->stats;
     stats.cost = iso_editor_cost(v->editor);

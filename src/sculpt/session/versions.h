@@ -38,21 +38,17 @@ iso_status iso_versions_update(iso_versions *versions, const iso_stroke_list *li
                                const iso_progress *progress, iso_error *error);
 
 /* The cells in which the result of the last update differs from that of the update before it: each has a new
- * brick or entry (`state`; a brick: 0), or new bits of the mask. */
+ * brick or entry, or new bits of the mask. `state` of the field: 0 (a brick), ISO_CELL_OUTSIDE or
+ * ISO_CELL_INSIDE; of the mask: 0 (bits), or ISO_CELL_OUTSIDE for a cell without frozen voxels. */
 typedef struct iso_cell_change {
     uint32_t cell;
     bool mask;
-    int32_t
-        state; /* of the field: 0, ISO_CELL_OUTSIDE or ISO_CELL_INSIDE; of the mask: 0, or ISO_CELL_OUTSIDE
-                      for a cell without frozen voxels */
+    int32_t state;
 } iso_cell_change;
 size_t iso_versions_change_count(const iso_versions *versions);
 iso_cell_change iso_versions_change(const iso_versions *versions, size_t index);
 /* Writes the values of a change with state 0: a brick, or iso_voxel_bits. */
 void iso_versions_change_values(const iso_versions *versions, size_t index, void *values);
-
-/* Returns the number of the last stroke of the list that wrote a cell; 0: none has. */
-unsigned iso_versions_writer(const iso_versions *versions, uint32_t cell);
 
 iso_versions_stats iso_versions_get_stats(const iso_versions *versions);
 

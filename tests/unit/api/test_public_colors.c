@@ -1,4 +1,4 @@
-/* Surfaces coloured by data through the public interface. */
+/* Surfaces coloured by data, and smooth ones, through the public interface. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -58,7 +58,49 @@ static void surfaces_are_colored_by_data(void **state) {
     iso_volume_destroy(volume);
 }
 
+/* The smooth surface is another picture, is the ray caster's but for a hem of its outline
+ * (docs/smooth.md), and goes with linear again. */
+static void surfaces_are_smooth_by_a_filter(void **state) {
+    (void)state;
+    iso_volume *volume = lend_ball(2);
+    iso_surface *surface = NULL;
+    iso_image plain = {0}, smooth = {0}, truth = {0}, other = {0};
+    assert_int_equal(iso_surface_create(volume, NULL, &surface, NULL), ISO_OK);
+    iso_render_opts opts = {.width = 64, .height = 48, .samples = 1};
+    assert_int_equal(iso_render(surface, &opts, &plain, NULL), ISO_OK);
+    opts.filter = ISO_FILTER_CUBIC;
+    assert_int_equal(iso_render(surface, &opts, &smooth, NULL), ISO_OK);
+    assert_memory_not_equal(plain.rgba, smooth.rgba, bytes_of(&plain));
+    opts.method = ISO_METHOD_RAYCAST;
+    assert_int_equal(iso_render(surface, &opts, &truth, NULL), ISO_OK);
+    int hits = 0, missing = 0;
+    const uint8_t white[4] = {255, 255, 255, 255};
+    for (size_t i = 0; i < bytes_of(&truth); i += 4) {
+        const bool covered = memcmp(smooth.rgba + i, white, 4) != 0;
+        hits += memcmp(truth.rgba + i, white, 4) != 0;
+        missing += !covered && memcmp(truth.rgba + i, white, 4) != 0;
+        for (size_t k = i; covered && k < i + 4; k++)
+            assert_in_range(smooth.rgba[k] - truth.rgba[k] + 1, 0, 2);
+    }
+    if (missing > hits / 100) fail_msg("%d of %d pixels are missing", missing, hits);
+    opts.method = ISO_METHOD_MESH;
+    assert_int_equal(iso_render(surface, &opts, &other, NULL), ISO_ERR_USAGE);
+    opts.method = ISO_METHOD_EXACT;
+    opts.filter = (iso_filter)3;
+    assert_int_equal(iso_render(surface, &opts, &other, NULL), ISO_ERR_USAGE);
+    opts.filter = ISO_FILTER_LINEAR;
+    assert_int_equal(iso_render(surface, &opts, &other, NULL), ISO_OK);
+    assert_memory_equal(plain.rgba, other.rgba, bytes_of(&plain));
+    iso_image_free(&plain);
+    iso_image_free(&smooth);
+    iso_image_free(&truth);
+    iso_image_free(&other);
+    iso_surface_destroy(surface);
+    iso_volume_destroy(volume);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(surfaces_are_colored_by_data)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(surfaces_are_colored_by_data),
+                                       cmocka_unit_test(surfaces_are_smooth_by_a_filter)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
