@@ -35,20 +35,17 @@ bool contains_sample(ivec2 at, ivec2 from) {
     vec2 d = (vec2(from) + 0.5 + p.range.zw) * float(1 << lattice.x) - vec2(at) - 0.5;
     float flat_part = dot(n, n), square = max(flat_part + along * along, 1e-12), b = radius * radius;
     float a = b + disc.y, e = a * square - b * flat_part, outward = dot(d, n);
+    float limit = flat_part * ((b + disc.z) * along * along + disc.w * flat_part);
+    if (outward * along > 0.0 && limit < outward * outward * square) return false;
     if (!(dot(d, d) * e + b * outward * outward < a * e)) return false;
     float rise = length * sqrt(b / (a * e)) * outward;
     return !is_beyond_grid(0, at, p.shade.w + (along < 0.0 ? -rise : rise));
 }
 
-/* Whether a point supports the value of pixel `at` of level 0, which is in a gap: finish_simd.h, open_gaps. */
-bool is_supported(ivec2 at, mixture m) {
-    float nearest = ISO_GL_NOWHERE, widest = 0.0, size = float(1 << lattice.x);
-    for (int k = 0; k < 4; k++) {
-        nearest = min(nearest, ranges[m.at[k]].x);
-        widest = max(widest, ellipses[m.at[k]].w);
-    }
-    widest *= PP_SUPPORT_GROW * axis.w;
-    if (!orthographic) widest /= nearest;
+/* Whether a point supports pixel `at` of level 0, where discs have a radius, mm, at a depth: finish_simd.h. */
+bool is_supported(ivec2 at, float radius, float depth) {
+    float widest = radius * PP_SUPPORT_GROW * axis.w, size = float(1 << lattice.x);
+    if (!orthographic) widest /= depth;
     if (widest < PP_SUPPORT_RADIUS) return true;
     float reach = min(sqrt(widest * widest + disc.y), PP_SUPPORT_REACH * size);
     ivec2 low = max(ivec2(floor((vec2(at) + 0.5 - reach) / size)), ivec2(0));
@@ -57,6 +54,16 @@ bool is_supported(ivec2 at, mixture m) {
         for (int x = low.x; x <= high.x; x++)
             if (contains_sample(at, ivec2(x, y))) return true;
     return false;
+}
+
+/* The same of a value in a gap. */
+bool is_gap_supported(ivec2 at, mixture m) {
+    float nearest = ISO_GL_NOWHERE, widest = 0.0;
+    for (int k = 0; k < 4; k++) {
+        nearest = min(nearest, ranges[m.at[k]].x);
+        widest = max(widest, ellipses[m.at[k]].w);
+    }
+    return is_supported(at, widest, nearest);
 }
 
 void main() {
@@ -68,8 +75,10 @@ void main() {
     bool has_own = own.range.x < ISO_GL_NOWHERE;
     mixture m = mixed(1, at, own.range.x);
     if (!m.made && !has_own) return;
-    if (m.made && !m.covered && !is_supported(at, m)) return;
-    if (has_own && !m.covered && !m.around && is_beyond(at, own)) return;
+    if (m.made && !m.covered && !is_gap_supported(at, m)) return;
+    if (has_own && !m.covered && is_beyond(at, own) &&
+        !(m.around && is_supported(at, own.radius, own.shade.w)))
+        return;
     vec4 shade = m.made ? mixed_shade(m) : own.shade;
 
     if (!put_sample(sample_at, shade.w, shade.xyz)) return;

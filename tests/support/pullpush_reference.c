@@ -253,6 +253,13 @@ static double weight_of(const work *w, double q) {
     return w->opts->box ? 1 : fmax(1 + q * (-2.2440141 + q * (1.8788016 - q * 0.6347875)), 1e-5);
 }
 
+/* Whether an offset from an ellipse's centre lies beyond its disc, on the side of the silhouette. */
+static bool is_outside(const work *w, const ellipse *e, double dx, double dy) {
+    const double out = dx * e->m[0] + dy * e->m[1], flat = e->m[0] * e->m[0] + e->m[1] * e->m[1];
+    const double reach = (e->square + w->opts->facing) * e->along * e->along + w->opts->edge * flat;
+    return out * e->along < 0 && out * out > flat * reach;
+}
+
 /* The corners around a finer pixel whose ellipses contain its centre. Otherwise, with `widened`, those whose
  * ellipses do when they are half a coarser pixel wider; all of them grow, and become rounder, when all
  * corners are there. */
@@ -277,8 +284,7 @@ static int find_corners(const work *w, int number, int x, int y, bool widened, b
         wide.yy += round * e.m[1] * e.m[1];
         double q = form(widened ? &wide : &e, dx, dy) / (widened && around ? 1.4 * 1.4 : 1);
         double depth = c->depth + e.rise * out;
-        double reach = (e.square + w->opts->facing) * e.along * e.along + w->opts->edge * flat;
-        if (!(q < 1) || (!widened && out * e.along < 0 && out * out > flat * reach)) continue;
+        if (!(q < 1) || (!widened && is_outside(w, &e, dx, dy))) continue;
         if ((!widened || number == 0) && is_beyond_grid(w, at_x, at_y, depth)) continue;
         shares[count++] = (share){c, weight_of(w, q), depth};
     }
@@ -294,18 +300,13 @@ static bool is_around(const work *w, int number, int x, int y) {
 }
 
 /* Whether the ellipse of a point, of 1.1 times its disc, contains the centre of pixel (x, y) of level 0, or
- * discs there are so small that this is not asked. */
-static bool is_supported(const work *w, int x, int y) {
+ * discs there, of a radius (mm) at a depth, are so small that this is not asked. */
+static bool is_supported(const work *w, int x, int y, double radius, double depth) {
     const iso_view *view = w->view;
     const level *points = &w->points;
     const double at_x = x + 0.5, at_y = y + 0.5;
-    double nearest = INFINITY, widest = 0, ray[3];
-    for (int k = 0; k < 4; k++) {
-        const cell *c = cell_at(&w->levels[1], ((x - 1) >> 1) + (k & 1), ((y - 1) >> 1) + (k >> 1));
-        nearest = fmin(nearest, c->depth);
-        widest = fmax(widest, c->radius);
-    }
-    widest *= 1.1 * view->focal / (view->orthographic ? 1 : nearest);
+    const double widest = 1.1 * radius * view->focal / (view->orthographic ? 1 : depth);
+    double ray[3];
     if (widest < 1) return true;
     const double reach = fmin(sqrt(widest * widest + w->opts->low_pass), 16 * points->size);
     ray_of(w, 1, x, y, ray);
@@ -319,11 +320,22 @@ static bool is_supported(const work *w, int x, int y) {
             grown.radius *= 1.1;
             const ellipse e = ellipse_of(w, &grown, ray, w->opts->low_pass);
             const double dx = at_x - c->x, dy = at_y - c->y;
-            if (form(&e, dx, dy) < 1 &&
+            if (form(&e, dx, dy) < 1 && !is_outside(w, &e, dx, dy) &&
                 !is_beyond_grid(w, at_x, at_y, c->depth + e.rise * (dx * e.m[0] + dy * e.m[1])))
                 return true;
         }
     return false;
+}
+
+/* The same of a gap with corners all around. */
+static bool is_gap_supported(const work *w, int x, int y) {
+    double nearest = INFINITY, widest = 0;
+    for (int k = 0; k < 4; k++) {
+        const cell *c = cell_at(&w->levels[1], ((x - 1) >> 1) + (k & 1), ((y - 1) >> 1) + (k >> 1));
+        nearest = fmin(nearest, c->depth);
+        widest = fmax(widest, c->radius);
+    }
+    return is_supported(w, x, y, widest, nearest);
 }
 
 static void push(work *w, int number) {
@@ -341,12 +353,14 @@ static void push(work *w, int number) {
                 continue;
             }
             if (own->valid) {
-                if (number == 0 && !around && is_beyond(w, own, x, y)) own->valid = false;
+                if (number == 0 && is_beyond(w, own, x, y) &&
+                    !(around && is_supported(w, x, y, own->radius, own->depth)))
+                    own->valid = false;
                 continue;
             }
             if (number == 0 && !around) continue;
             count = find_corners(w, number, x, y, true, around, shares);
-            if (!count || (number == 0 && !is_supported(w, x, y))) continue;
+            if (!count || (number == 0 && !is_gap_supported(w, x, y))) continue;
             *own = mix(w, shares, count, around);
             own->weak = !around;
         }

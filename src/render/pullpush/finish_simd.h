@@ -39,6 +39,126 @@ ISO_INLINE void set_colors(const iso_pullpush_params *params, size_t at, const p
     }
 }
 
+/* ---- support: points whose discs contain a sample */
+
+/* Points farther away than this from a sample do not support it, columns and rows of the base level. */
+#define PP_SUPPORT_REACH 16.0f
+/* Discs support samples within this many of their radii. */
+#define PP_SUPPORT_GROW 1.1f
+/* Samples are not tested where discs have smaller radii, pixels: the points that would support them may have
+ * lost their pixels to nearer ones. */
+#define PP_SUPPORT_RADIUS 1.0f
+
+/* A sample: its centre, pixels of level 0 from the corner of the whole picture's guard band; its ray. */
+typedef struct pp_sight {
+    float column, row, slope[2], ray_z;
+} pp_sight;
+
+/* The radii of the discs of a vector of points, mm; `place`: of the first one's key. Not those of the base
+ * level's planes, which push changes. */
+ISO_INLINE vf radii_of_keys(const iso_pullpush_params *params, size_t place, vm there) {
+    if (!params->radii) return v_set(params->radius);
+    float radius[ISO_LANES] = {0};
+    for (uint32_t left = v_mask(there); left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        radius[i] = ISO_DISC_RADII * params->radii[params->pyramid->index[place + (size_t)i]];
+    }
+    return v_max(v_load(radius), v_set(0));
+}
+
+/* Whether the ellipse of any of a vector of points contains a sample: that of project_disc in
+ * ellipses_simd.h, with its limit OUT towards the silhouette. The keys are those from column x of row y of
+ * the base level on, up to column `last`. */
+ISO_INLINE bool contain_sample(const iso_pullpush_params *params, const pp_sight *sight, int x, int y,
+                               int last) {
+    const iso_pyramid *p = params->pyramid;
+    const size_t place = (size_t)y * p->key_stride + (size_t)x;
+    const float size = (float)(1 << p->layout.base),
+                above = (float)(y + (p->layout.rows_before >> p->layout.base));
+    vf depth, folded[3], n[3];
+    vi payload;
+    split_keys(p->keys + place, &depth, &payload);
+    const vm there = v_andnot(v_lt(depth, v_set(ISO_NOWHERE)), v_lti(v_seti(last), v_lanes() + x));
+    if (!v_mask(there)) return false;
+    unfold_normals(payload, folded);
+    transform_normals(params, folded, n);
+    const vf along = (n[0] * sight->slope[0] + n[1] * sight->slope[1] + n[2]) * sight->ray_z,
+             turn = (along + n[2]) * (sight->ray_z / (1 + sight->ray_z)), mx = n[0] - turn * sight->slope[0],
+             my = n[1] - turn * sight->slope[1];
+    const vf length = PP_SUPPORT_GROW * radii_of_keys(params, place, there);
+    vf radius = length * params->scale;
+    if (!params->orthographic) radius = radius / depth;
+    const vf dx = (v_to_float(v_lanes() + x) + v_to_float(payload >> 22 & 31) * (1.0f / 32) + 1.0f / 64) *
+                      size -
+                  sight->column,
+             dy = (v_to_float(payload >> 27 & 31) * (1.0f / 32) + (1.0f / 64 + above)) * size - sight->row;
+    const vf flat = mx * mx + my * my, square = v_max(flat + along * along, v_set(1e-12f)),
+             b = radius * radius, a = b + params->low_pass, e = a * square - b * flat,
+             out = dx * mx + dy * my;
+    const vm silhouette = v_lt(v_set(0), out * along),
+             beyond = v_lt(flat * ((b + params->facing) * along * along + params->edge * flat),
+                           out * out * square);
+    vm inside = v_andnot(v_and(there, v_lt((dx * dx + dy * dy) * e + b * (out * out), a * e)),
+                         v_and(silhouette, beyond));
+    if (!v_mask(inside) || !params->has_border) return v_mask(inside) != 0;
+    const vf rise = length * v_sqrt(b / (a * e)) * out,
+             z = depth + v_select(v_lt(along, v_set(0)), -rise, rise);
+    const pp_ray ray = index_ray(params, v_set(sight->column), v_set(sight->row));
+    return v_mask(v_andnot(inside, is_beyond_grid(params, &ray, z, v_set(PP_BORDER)))) != 0;
+}
+
+/* The pixels of the base level, 0 .. count - 1, that lie between two places, pixels of level 0. */
+ISO_INLINE iso_rows pixels_between(float from, float to, float size, int count) {
+    const int first = (int)floorf(from / size), last = (int)floorf(to / size);
+    return (iso_rows){first > 0 ? first : 0, last < count ? last : count - 1};
+}
+
+/* Whether a point supports the sample in a column and row of level 0. `reach`: how far away it may be, pixels
+ * of level 0. Not inlined: it is seldom called. */
+static __attribute__((noinline)) bool is_supported(const iso_pullpush_params *params, int column, int row,
+                                                   float reach) {
+    const iso_pyramid *p = params->pyramid;
+    const iso_pyramid_level *base = &p->level[p->layout.base];
+    const float size = (float)(1 << p->layout.base), x = (float)column + 0.5f, y = (float)row + 0.5f;
+    const iso_rows rows = pixels_between(y - reach, y + reach, size, base->height),
+                   columns = pixels_between(x - reach, x + reach, size, base->width);
+    pp_sight sight = {.column = x, .row = y + (float)p->layout.rows_before};
+    sight.slope[0] = (sight.column - params->ray[0]) * params->slope;
+    sight.slope[1] = (sight.row - params->ray[1]) * params->slope;
+    sight.ray_z = 1 / sqrtf(sight.slope[0] * sight.slope[0] + sight.slope[1] * sight.slope[1] + 1);
+    for (int i = rows.first; i <= rows.last; i++)
+        for (int k = columns.first; k <= columns.last; k += ISO_LANES)
+            if (contain_sample(params, &sight, k, i, columns.last)) return true;
+    return false;
+}
+
+/* How far from samples the points are looked for that support them, pixels of level 0; `radius`: of discs,
+ * mm, at depth `depth`. *large: where it is asked. */
+ISO_INLINE vf support_reach(const iso_pullpush_params *params, vf radius, vf depth, vm *large) {
+    const float most = PP_SUPPORT_REACH * (float)(1 << params->pyramid->layout.base);
+    vf widest = radius * (PP_SUPPORT_GROW * params->scale);
+    if (!params->orthographic) widest = widest / depth;
+    *large = v_le(v_set(PP_SUPPORT_RADIUS), widest);
+    return v_min(v_sqrt(widest * widest + params->low_pass), v_set(most));
+}
+
+/* Which samples of `asked` lie in the picture and no point supports. */
+ISO_INLINE vm find_unsupported(const iso_pullpush_params *params, const pp_own *own, vf reach, vm asked) {
+    const iso_pyramid_layout *layout = &params->pyramid->layout;
+    const int guard = -layout->column, end = guard + params->target->gbuffer->width;
+    float reaches[ISO_LANES];
+    uint32_t open = 0;
+    v_store(reaches, reach);
+    for (uint32_t left = v_mask(asked); left; left &= left - 1) {
+        const int i = __builtin_ctz(left), column = own->column + 2 * i;
+        if (column < guard || column >= end) continue;
+        if (!is_supported(params, column, own->row - layout->rows_before, reaches[i])) open |= 1u << i;
+    }
+    return v_from_mask(open);
+}
+
+/* ---- points of pixels */
+
 /* Whether a pixel's centre lies outside its own point's disc on the side of the silhouette: the condition
  * d.THIN > OUT of the point's ellipse, evaluated without making the ellipse. Of a surface alone, also where
  * the disc is beyond the grid's border. `n`: the point's normal. */
@@ -67,19 +187,34 @@ ISO_INLINE vm is_beyond_disc(const iso_pullpush_params *params, const pp_own *ow
     return v_or(beyond, is_beyond_grid(params, &ray, z, v_set(PP_BORDER)));
 }
 
+/* Takes those out of `beyond` that are `around` and that points support, or whose discs are too small to
+ * ask. */
+ISO_INLINE vm leave_supported(const iso_pullpush_params *params, const pp_own *own, vm around, vm beyond) {
+    const float *radii = params->pyramid->level[0].plane[ISO_PLANE_RADIUS];
+    const vf radius = radii ? every_second(radii + own->at, own->side) : v_set(params->radius);
+    const vm asked = v_and(beyond, around);
+    vm large;
+    if (!v_mask(asked)) return beyond;
+    const vf reach = support_reach(params, radius, own->depth, &large);
+    return v_or(v_andnot(beyond, around), find_unsupported(params, own, reach, v_and(asked, large)));
+}
+
 /* Completes a vector of samples. `normal` and `depth` are the weighted sums of the mixture. A pixel's own
  * point is drawn where no mixture replaces it, except at silhouettes: where no ellipse covers the pixel
- * and its centre lies beyond the point's disc, but, of a surface alone, not all corners have values. */
+ * and its centre lies beyond the point's disc. If, of a surface alone, all corners have values, which is so
+ * at outlines before a surface behind, too, only where no other point's disc contains the centre. */
 ISO_INLINE void complete_samples(const iso_pullpush_params *params, const pp_own *own, const pp_mix *mix,
                                  const vf normal[3], vf depth, pp_sample *out, const pp_sides sides) {
     vf n[3], kept[3], there = own->depth;
     unfold_normals(own->payload, n);
     transform_normals(params, n, kept);
     for (int k = 0; k < 3; k++) out->normal[k] = v_select(mix->made, normal[k], kept[k]);
-    vm alone = v_andnot(v_lt(own->depth, v_set(ISO_NOWHERE)), mix->covered);
-    if (is_surface(sides)) alone = v_andnot(alone, mix->around);
-    if (v_mask(alone))
-        there = v_select(v_and(alone, is_beyond_disc(params, own, kept)), v_set(ISO_NOWHERE), there);
+    const vm alone = v_andnot(v_lt(own->depth, v_set(ISO_NOWHERE)), mix->covered);
+    if (v_mask(alone)) {
+        vm beyond = v_and(alone, is_beyond_disc(params, own, kept));
+        if (is_surface(sides)) beyond = leave_supported(params, own, mix->around, beyond);
+        there = v_select(beyond, v_set(ISO_NOWHERE), there);
+    }
     vf square =
         out->normal[0] * out->normal[0] + out->normal[1] * out->normal[1] + out->normal[2] * out->normal[2];
     vm none = v_le(square, v_set(1e-20f));
@@ -291,103 +426,12 @@ ISO_INLINE void write_row(const iso_pullpush_params *params, int x, int line, co
 
 /* ---- gaps beside the surface */
 
-/* Points farther away than this from a sample in a gap do not support it, columns and rows of the base
- * level. */
-#define PP_SUPPORT_REACH 16.0f
-/* Discs support samples within this many of their radii. */
-#define PP_SUPPORT_GROW 1.1f
-/* Samples are not tested where discs have smaller radii, pixels: the points that would support them may have
- * lost their pixels to nearer ones. */
-#define PP_SUPPORT_RADIUS 1.0f
-
-/* A sample: its centre, pixels of level 0 from the corner of the whole picture's guard band; its ray. */
-typedef struct pp_sight {
-    float column, row, slope[2], ray_z;
-} pp_sight;
-
-/* The radii of the discs of a vector of points, mm; `place`: of the first one's key. Not those of the base
- * level's planes, which push changes. */
-ISO_INLINE vf radii_of_keys(const iso_pullpush_params *params, size_t place, vm there) {
-    if (!params->radii) return v_set(params->radius);
-    float radius[ISO_LANES] = {0};
-    for (uint32_t left = v_mask(there); left; left &= left - 1) {
-        const int i = __builtin_ctz(left);
-        radius[i] = ISO_DISC_RADII * params->radii[params->pyramid->index[place + (size_t)i]];
-    }
-    return v_max(v_load(radius), v_set(0));
-}
-
-/* Whether the ellipse of any of a vector of points contains a sample: that of project_disc in
- * ellipses_simd.h. The keys are those from column x of row y of the base level on, up to column `last`. */
-ISO_INLINE bool contain_sample(const iso_pullpush_params *params, const pp_sight *sight, int x, int y,
-                               int last) {
-    const iso_pyramid *p = params->pyramid;
-    const size_t place = (size_t)y * p->key_stride + (size_t)x;
-    const float size = (float)(1 << p->layout.base),
-                above = (float)(y + (p->layout.rows_before >> p->layout.base));
-    vf depth, folded[3], n[3];
-    vi payload;
-    split_keys(p->keys + place, &depth, &payload);
-    const vm there = v_andnot(v_lt(depth, v_set(ISO_NOWHERE)), v_lti(v_seti(last), v_lanes() + x));
-    if (!v_mask(there)) return false;
-    unfold_normals(payload, folded);
-    transform_normals(params, folded, n);
-    const vf along = (n[0] * sight->slope[0] + n[1] * sight->slope[1] + n[2]) * sight->ray_z,
-             turn = (along + n[2]) * (sight->ray_z / (1 + sight->ray_z)), mx = n[0] - turn * sight->slope[0],
-             my = n[1] - turn * sight->slope[1];
-    const vf length = PP_SUPPORT_GROW * radii_of_keys(params, place, there);
-    vf radius = length * params->scale;
-    if (!params->orthographic) radius = radius / depth;
-    const vf dx = (v_to_float(v_lanes() + x) + v_to_float(payload >> 22 & 31) * (1.0f / 32) + 1.0f / 64) *
-                      size -
-                  sight->column,
-             dy = (v_to_float(payload >> 27 & 31) * (1.0f / 32) + (1.0f / 64 + above)) * size - sight->row;
-    const vf flat = mx * mx + my * my, square = v_max(flat + along * along, v_set(1e-12f)),
-             b = radius * radius, a = b + params->low_pass, e = a * square - b * flat,
-             out = dx * mx + dy * my;
-    vm inside = v_and(there, v_lt((dx * dx + dy * dy) * e + b * (out * out), a * e));
-    if (!v_mask(inside) || !params->has_border) return v_mask(inside) != 0;
-    const vf rise = length * v_sqrt(b / (a * e)) * out,
-             z = depth + v_select(v_lt(along, v_set(0)), -rise, rise);
-    const pp_ray ray = index_ray(params, v_set(sight->column), v_set(sight->row));
-    return v_mask(v_andnot(inside, is_beyond_grid(params, &ray, z, v_set(PP_BORDER)))) != 0;
-}
-
-/* The pixels of the base level, 0 .. count - 1, that lie between two places, pixels of level 0. */
-ISO_INLINE iso_rows pixels_between(float from, float to, float size, int count) {
-    const int first = (int)floorf(from / size), last = (int)floorf(to / size);
-    return (iso_rows){first > 0 ? first : 0, last < count ? last : count - 1};
-}
-
-/* Whether a point supports the sample in a column and row of level 0. `reach`: how far away it may be, pixels
- * of level 0. Not inlined: it is seldom called. */
-static __attribute__((noinline)) bool is_supported(const iso_pullpush_params *params, int column, int row,
-                                                   float reach) {
-    const iso_pyramid *p = params->pyramid;
-    const iso_pyramid_level *base = &p->level[p->layout.base];
-    const float size = (float)(1 << p->layout.base), x = (float)column + 0.5f, y = (float)row + 0.5f;
-    const iso_rows rows = pixels_between(y - reach, y + reach, size, base->height),
-                   columns = pixels_between(x - reach, x + reach, size, base->width);
-    pp_sight sight = {.column = x, .row = y + (float)p->layout.rows_before};
-    sight.slope[0] = (sight.column - params->ray[0]) * params->slope;
-    sight.slope[1] = (sight.row - params->ray[1]) * params->slope;
-    sight.ray_z = 1 / sqrtf(sight.slope[0] * sight.slope[0] + sight.slope[1] * sight.slope[1] + 1);
-    for (int i = rows.first; i <= rows.last; i++)
-        for (int k = columns.first; k <= columns.last; k += ISO_LANES)
-            if (contain_sample(params, &sight, k, i, columns.last)) return true;
-    return false;
-}
-
 /* Takes back the values of samples in gaps (gaps_simd.h) that the ellipses of no points support: the coarser
  * pixels around an opening of the surface that is narrower than two discs all have values. The points are
  * found in the keys around the sample. */
 ISO_INLINE void open_gaps(const iso_pullpush_params *params, const pp_cells *cells, const pp_own own[4],
                           pp_mix mix[4]) {
-    const iso_pyramid *p = params->pyramid;
-    const int guard = -p->layout.column, end = guard + params->target->gbuffer->width;
-    const float most = PP_SUPPORT_REACH * (float)(1 << p->layout.base);
     vf nearest = v_set(ISO_NOWHERE), widest = v_set(0);
-    float reach[ISO_LANES];
     uint32_t any = 0;
     for (int s = 0; s < 4; s++) any |= v_mask(v_andnot(mix[s].made, mix[s].covered));
     if (!any) return;
@@ -396,19 +440,12 @@ ISO_INLINE void open_gaps(const iso_pullpush_params *params, const pp_cells *cel
         nearest = v_min(nearest, v_load(cells->corners->plane[ISO_PLANE_LOW] + o));
         widest = v_max(widest, rise_of(params, cells->corners, o));
     }
-    widest = widest * (PP_SUPPORT_GROW * params->scale);
-    if (!params->orthographic) widest = widest / nearest;
-    v_store(reach, v_min(v_sqrt(widest * widest + params->low_pass), v_set(most)));
-    const vm large = v_le(v_set(PP_SUPPORT_RADIUS), widest);
+    vm large;
+    const vf reach = support_reach(params, widest, nearest, &large);
     for (int s = 0; s < 4; s++) {
-        uint32_t open = 0;
-        for (uint32_t left = v_mask(v_and(large, v_andnot(mix[s].made, mix[s].covered))); left;
-             left &= left - 1) {
-            const int i = __builtin_ctz(left), column = own[s].column + 2 * i;
-            if (column < guard || column >= end) continue;
-            if (!is_supported(params, column, own[s].row - p->layout.rows_before, reach[i])) open |= 1u << i;
-        }
-        if (open) mix[s].made = v_andnot(mix[s].made, v_from_mask(open));
+        const vm asked = v_and(large, v_andnot(mix[s].made, mix[s].covered));
+        if (v_mask(asked))
+            mix[s].made = v_andnot(mix[s].made, find_unsupported(params, &own[s], reach, asked));
     }
 }
 
