@@ -258,6 +258,17 @@ static void tell_outside(const isorender_job *job, const iso_camera *camera) {
     }
 }
 
+/* Says what covers more than a little of the picture wherever it stands. */
+static void tell_covered(const isorender_job *job, const iso_annotation_places *places) {
+    static const char *const names[] = {"orientation marker", "legend", "colour bar", "scale bar"};
+    static const double LITTLE = 0.02;
+    for (int i = 0; i < ISO_ANNOTATION_KINDS; i++)
+        if (places->covered[i] > LITTLE)
+            isorender_log(job,
+                          "note: the %s covers a part of what is shown: a larger --margin makes room for it",
+                          names[i]);
+}
+
 /* Makes the picture of the inset: its part of an enlarged frame. */
 static iso_status make_inset(isorender_job *job, int frame, isorender_enlarged *enlarge, iso_inset *inset,
                              iso_error *error) {
@@ -287,7 +298,7 @@ static iso_status draw_beside(const isorender_settings *settings, iso_annotation
     return iso_annotation_draw(&panel->bars, &bars, width, height, error);
 }
 
-iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *camera,
+iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *camera, const iso_image *image,
                               isorender_enlarged *enlarge, iso_drawing *drawing, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const bool last = !settings->panel || settings->panel->is_last;
@@ -322,10 +333,15 @@ iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *c
                                  .notes = settings->notes,
                                  .note_count = settings->note_count,
                                  .inset = settings->has_inset ? &inset : NULL,
-                                 .dark = iso_is_dark(settings->background, settings->transparent != 0)};
+                                 .dark = iso_is_dark(settings->background, settings->transparent != 0),
+                                 .under = settings->panel ? NULL : image, /* panels are alike */
+                                 .background = settings->background,
+                                 .places = settings->panel ? NULL : &settings->film->places};
+    const bool chooses = annotation.under && !annotation.places->chosen;
     if (status == ISO_OK && settings->panel && last) status = draw_beside(settings, &annotation, error);
     if (status == ISO_OK)
         status = iso_annotation_draw(drawing, &annotation, settings->width, settings->height, error);
+    if (status == ISO_OK && chooses) tell_covered(job, annotation.places);
     free(own);
     iso_image_free(&enlarged);
     return status;

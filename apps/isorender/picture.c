@@ -295,7 +295,7 @@ static bool keeps_marks(const isorender_job *job) {
 static iso_status annotate(isorender_job *job, int frame, canvas *c, iso_error *error) {
     const iso_camera camera = isorender_camera_of_frame(job, frame);
     iso_drawing_free(&c->over);
-    ISO_TRY(isorender_annotate(job, frame, &camera, draw_enlarged, &c->over, error));
+    ISO_TRY(isorender_annotate(job, frame, &camera, &c->image, draw_enlarged, &c->over, error));
     if (keeps_marks(job)) return ISO_OK;
     ISO_TRY(iso_drawing_paint(&c->over, &c->image, error));
     iso_drawing_free(&c->over);

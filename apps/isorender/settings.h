@@ -85,6 +85,7 @@ typedef struct isorender_film {
     double distance, scale;                /* and from how far, with which parallel_scale; 0: each its own */
     double ranges[ISORENDER_COLORINGS][2]; /* of colours, NAN: none yet */
     uint64_t covered;                      /* samples of all pictures that show a surface */
+    iso_annotation_places places;          /* of what is over them */
 } isorender_film;
 
 enum { ISORENDER_NOTES = 64 }; /* texts, arrows and rulers in one picture */
