@@ -525,6 +525,7 @@ static iso_status survey(isorender_job *job, iso_error *error) {
 iso_status isorender_render(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     note_occlusion(job);
+    isorender_cuts_note(job);
     ISO_TRY(isorender_keyframes_measure(job, error));
     ISO_TRY(isorender_camera_make(job, error));
     ISO_TRY(isorender_colorings_see(job, error));
