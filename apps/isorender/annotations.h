@@ -28,7 +28,7 @@ double isorender_font_pixels(const isorender_settings *settings);
 typedef struct isorender_legend_list {
     iso_legend_entry entries[256];
     char names[256][96]; /* of the entries */
-    int count;
+    int count, more;     /* entries; how many there was no room for */
 } isorender_legend_list;
 
 /* What colours stand for which numbers: bars of all that is coloured by numbers, of points, objects and

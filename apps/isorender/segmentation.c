@@ -325,12 +325,15 @@ void isorender_segmentation_free(isorender_job *job) {
 
 /* ---- what is told of them */
 
-int isorender_legend(const isorender_job *job, int room, iso_legend_entry *entries) {
+int isorender_legend(const isorender_job *job, int room, iso_legend_entry *entries, int *all) {
     const isorender_segmentation *s = job->segmentation;
-    int count = 0;
-    for (int i = 1; s && i < s->labels.count && count < room; i++)
-        if (s->group[i]) entries[count++] = (iso_legend_entry){s->items[i].name, s->items[i].color};
-    return count;
+    *all = 0;
+    for (int i = 1; s && i < s->labels.count; i++) {
+        if (!s->group[i]) continue;
+        if (*all < room) entries[*all] = (iso_legend_entry){s->items[i].name, s->items[i].color};
+        ++*all;
+    }
+    return *all < room ? *all : room;
 }
 
 void isorender_report_labels(iso_json *json, const isorender_job *job) {

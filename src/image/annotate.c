@@ -351,16 +351,33 @@ static double draw_entry(const pen *p, const iso_legend_entry *entry, double x, 
     return 1.6 * side + text_width(p, entry->name);
 }
 
-/* Columns that do not fit beside each other are left out. */
-static void draw_legend(const pen *p, const iso_annotation *a) {
-    const double step = 1.7 * p->text, margin = 1.2 * p->text;
-    const int rows = (int)fmax(1, (p->height - 2 * margin) / step);
+/* How many entries columns of so many rows show that fit beside each other: of the first column all. */
+static int entries_that_fit(const pen *p, const iso_annotation *a, int rows, double margin) {
     double left = margin, widest = 0;
     for (int i = 0; i < a->legend_count; i++) {
         if (i && i % rows == 0) left += widest + 1.5 * p->text, widest = 0;
-        if (left > p->width - margin) return;
-        widest = fmax(widest, draw_entry(p, &a->legend[i], left, margin + i % rows * step));
+        widest = fmax(widest, 1.6 * p->text + text_width(p, a->legend[i].name));
+        if (i >= rows && left + widest > p->width - margin) return i / rows * rows;
     }
+    return a->legend_count;
+}
+
+/* Draws the entries that there is room for, and in the place of the last how many more there are. Returns
+ * their number. */
+static int draw_legend(const pen *p, const iso_annotation *a) {
+    const double step = 1.7 * p->text, margin = 1.2 * p->text;
+    const int rows = (int)fmax(1, (p->height - 2 * margin) / step), all = a->legend_count + a->legend_more,
+              fitting = entries_that_fit(p, a, rows, margin), shown = fitting < all ? fitting - 1 : fitting;
+    double left = margin, widest = 0;
+    for (int i = 0; i < fitting; i++) {
+        const double y = margin + i % rows * step;
+        char more[32];
+        if (i && i % rows == 0) left += widest + 1.5 * p->text, widest = 0;
+        if (i < shown) widest = fmax(widest, draw_entry(p, &a->legend[i], left, y));
+        snprintf(more, sizeof more, "+%d more", all - shown);
+        if (i == shown) add_text(p, more, left, y + p->text / 2);
+    }
+    return all - shown;
 }
 
 /* ---- notes: texts, arrows and rulers */
@@ -522,10 +539,11 @@ bool iso_is_dark(iso_rgb background, bool transparent) {
 }
 
 /* Draws one kind at its usual place. */
-static void draw_kind(const pen *p, const iso_annotation *a, iso_annotation_kind kind) {
+static void draw_kind(const pen *p, const iso_annotation *a, iso_annotation_kind kind,
+                      iso_annotation_places *places) {
     double right = p->width - 1.2 * p->text;
     if (kind == ISO_ANNOTATION_MARKER && a->orientation_marker) draw_marker(p, a);
-    if (kind == ISO_ANNOTATION_LEGEND) draw_legend(p, a);
+    if (kind == ISO_ANNOTATION_LEGEND) places->legend_more = draw_legend(p, a);
     for (int i = 0; kind == ISO_ANNOTATION_COLOR_BARS && i < a->color_bar_count; i++)
         draw_color_bar(p, &a->color_bars[i], &right);
     if (kind == ISO_ANNOTATION_SCALE_BAR && a->scale_bar) draw_scale_bar(p, a);
@@ -551,7 +569,7 @@ iso_status iso_annotation_draw(iso_drawing *drawing, const iso_annotation *annot
     enum { INSET = ISO_ANNOTATION_KINDS, NOTES, ALL };
     const iso_annotation *a = annotation;
     iso_drawing over[ALL] = {{.marks = NULL}};
-    iso_annotation_places own = {.chosen = false};
+    iso_annotation_places own = {.chosen = false}, *places = a->places ? a->places : &own;
     double moved[ISO_ANNOTATION_KINDS][2] = {{0}};
     pen p = pen_of(&over[NOTES], a, width, height);
     for (int i = 0; i < a->note_count; i++) draw_note(&p, a, &a->notes[i]);
@@ -559,7 +577,7 @@ iso_status iso_annotation_draw(iso_drawing *drawing, const iso_annotation *annot
     if (a->inset) draw_inset(&p, a->inset);
     for (int i = 0; i < ISO_ANNOTATION_KINDS; i++) {
         p.drawing = &over[i];
-        draw_kind(&p, a, (iso_annotation_kind)i);
+        draw_kind(&p, a, (iso_annotation_kind)i, places);
     }
     const iso_placing placing = {.under = a->under,
                                  .background = a->background,
@@ -570,7 +588,7 @@ iso_status iso_annotation_draw(iso_drawing *drawing, const iso_annotation *annot
                                  .count = ALL,
                                  .movable = ISO_ANNOTATION_KINDS,
                                  .moved = moved};
-    place_kinds(a, &placing, a->places ? a->places : &own);
+    place_kinds(a, &placing, places);
     iso_drawing_append(drawing, &over[INSET], 0, 0);
     for (int i = 0; i < ISO_ANNOTATION_KINDS; i++)
         iso_drawing_append(drawing, &over[i], moved[i][0], moved[i][1]);

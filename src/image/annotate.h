@@ -78,6 +78,7 @@ typedef struct iso_annotation_places {
     int place[ISO_ANNOTATION_KINDS]; /* 0: the usual one */
     double
         covered[ISO_ANNOTATION_KINDS]; /* the share of its box in which the first picture shows something */
+    int legend_more;                   /* entries that are not shown; set by each picture */
 } iso_annotation_places;
 
 typedef struct iso_annotation {
@@ -91,8 +92,8 @@ typedef struct iso_annotation {
     int color_bar_count;
     const iso_legend_entry
         *legend; /* usually at the top left, in columns that are as high as the picture; borrowed */
-    int legend_count;
-    const iso_note *notes; /* borrowed */
+    int legend_count, legend_more; /* entries, and how many more are left out of the list */
+    const iso_note *notes;         /* borrowed */
     int note_count;
     iso_inset *inset;       /* borrowed; NULL: none */
     bool dark;              /* the background is dark, so lines are drawn light */

@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -391,6 +392,37 @@ static void annotations_leave_each_other_room(void **state) {
     iso_image_free(&under);
 }
 
+/* Of a legend that is larger than the picture as much is drawn as there is room for, and said how much is not. */
+static void legends_say_what_is_left_out(void **state) {
+    (void)state;
+    enum { ENTRIES = 200 };
+    iso_legend_entry entries[ENTRIES];
+    const iso_camera camera = camera_at(iso_vec3_make(0, -1, 0), 50);
+    for (int i = 0; i < ENTRIES; i++) entries[i] = (iso_legend_entry){"an entry", {200, 30, 30}};
+    for (int i = 0; i < 4; i++) {
+        iso_annotation_places places = {.chosen = true};
+        const iso_annotation a = {.camera = &camera,
+                                  .legend = entries,
+                                  .legend_count = i < 2 ? 10 : ENTRIES,
+                                  .legend_more = i % 2 * 7,
+                                  .places = &places};
+        iso_drawing drawing = {.marks = NULL};
+        double box[4];
+        int texts = 0;
+        assert_int_equal(iso_annotation_draw(&drawing, &a, 400, 400, NULL), ISO_OK);
+        iso_drawing_box(&drawing, box);
+        assert_true(box[0] >= 0 && box[1] >= 0 && box[2] <= 400 && box[3] <= 400);
+        for (int k = 0; k < drawing.count; k++) texts += drawing.marks[k].kind == ISO_MARK_TEXT;
+        const char *last = drawing.marks[drawing.count - 1].text;
+        char wanted[32];
+        snprintf(wanted, sizeof wanted, "+%d more", a.legend_count + a.legend_more - (texts - 1));
+        assert_string_equal(last, i ? wanted : "an entry");
+        assert_int_equal(places.legend_more, i ? a.legend_count + a.legend_more - (texts - 1) : 0);
+        if (i > 1) assert_true(texts > 40 && texts < ENTRIES);
+        iso_drawing_free(&drawing);
+    }
+}
+
 /* Numbers beside bars are round, three to six of them, and at the places of their colours. */
 static void ticks_are_round(void **state) {
     (void)state;
@@ -447,6 +479,7 @@ int main(void) {
         cmocka_unit_test(annotations_cover_little),
         cmocka_unit_test(annotations_leave_each_other_room),
         cmocka_unit_test(ticks_are_round),
+        cmocka_unit_test(legends_say_what_is_left_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
