@@ -14,7 +14,7 @@
 
 /* One value of the option with what it names. */
 typedef struct color_source {
-    const isorender_coloring_settings *settings;
+    const iso_coloring_settings *settings;
     iso_input input;
     iso_loader loader; /* of a volume; not opened if there is none */
     bool has_volume;
@@ -46,7 +46,7 @@ iso_status isorender_apply_surface_color_by(void *target, const char *value, iso
     isorender_settings *settings = target;
     if (settings->coloring_count == ISORENDER_COLORINGS)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d", ISORENDER_COLORINGS);
-    ISO_TRY(isorender_coloring_parse(value, &settings->colorings[settings->coloring_count], error));
+    ISO_TRY(iso_coloring_settings_parse(value, &settings->colorings[settings->coloring_count], error));
     settings->object_options.colorings = ++settings->coloring_count;
     return ISO_OK;
 }
@@ -59,11 +59,11 @@ static int columns_of(const isorender_object_options *options) {
 }
 
 static iso_status deal(isorender_settings *settings, int i, iso_error *error) {
-    isorender_coloring_settings *coloring = &settings->colorings[i];
+    iso_coloring_settings *coloring = &settings->colorings[i];
     const isorender_object_options *options = &settings->object_options;
     const int number = columns_of(options) + i;
-    ISO_TRY(isorender_colormap_parse(isorender_value_for(&options->maps, number), &coloring->map, error));
-    ISO_TRY(isorender_range_parse(isorender_value_for(&options->ranges, number), coloring->range, error));
+    ISO_TRY(iso_colormap_choice_parse(isorender_value_for(&options->maps, number), &coloring->map, error));
+    ISO_TRY(iso_range_parse(isorender_value_for(&options->ranges, number), coloring->range, error));
     if (!coloring->map.given && iso_color_source_is_signed(coloring->source))
         coloring->map.map = ISO_COLORMAP_COOLWARM;
     return ISO_OK;
@@ -103,7 +103,7 @@ static iso_status named(const char *path, iso_status status, iso_error *error) {
 }
 
 /* Whether distances are from a mesh. */
-static bool is_mesh(const isorender_coloring_settings *settings) {
+static bool is_mesh(const iso_coloring_settings *settings) {
     return settings->source == ISO_COLOR_BY_DISTANCE && !iso_loader_is_scene(settings->path) &&
            iso_file_type_find(settings->path, ISO_HOLDS_MESH | ISO_HOLDS_VOLUME) != ISO_FILE_UNKNOWN &&
            iso_file_type_holds(iso_file_type_find(settings->path, ISO_HOLDS_MESH | ISO_HOLDS_VOLUME)) &
@@ -111,14 +111,14 @@ static bool is_mesh(const isorender_coloring_settings *settings) {
 }
 
 /* Whether the file has numbers of a mesh's vertices. */
-static bool is_vertices(const isorender_coloring_settings *settings) {
+static bool is_vertices(const iso_coloring_settings *settings) {
     const unsigned holds = ISO_HOLDS_VOLUME | ISO_HOLDS_VALUES;
     return settings->source == ISO_COLOR_BY_VOLUME && !iso_loader_is_scene(settings->path) &&
            iso_file_type_holds(iso_file_type_find(settings->path, holds)) & ISO_HOLDS_VALUES;
 }
 
 static iso_status open_source(isorender_job *job, color_source *source, iso_error *error) {
-    const isorender_coloring_settings *settings = source->settings;
+    const iso_coloring_settings *settings = source->settings;
     const bool distance = settings->source == ISO_COLOR_BY_DISTANCE;
     if (!settings->path[0]) return ISO_OK;
     if (is_mesh(settings)) {
@@ -197,7 +197,7 @@ static iso_status read_volume(const isorender_job *job, color_source *source, is
 }
 
 static iso_status read_source(const isorender_job *job, color_source *source, iso_error *error) {
-    const isorender_coloring_settings *settings = source->settings;
+    const iso_coloring_settings *settings = source->settings;
     if (source->has_volume) return read_volume(job, source, error);
     if (is_vertices(settings)) {
         iso_vertex_values_free(&source->vertices);
@@ -207,44 +207,16 @@ static iso_status read_source(const isorender_job *job, color_source *source, is
     return source->settings->path[0] ? read_mesh_distance(source, error) : ISO_OK;
 }
 
-/* "density.nrrd" of "/data/density.nrrd" */
-static const char *base_name(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
-static void set_title(const isorender_job *job, const isorender_coloring_settings *settings,
-                      iso_color_bar *bar) {
-    const char *suffix = iso_world_unit_suffix(isorender_unit(job)), *unit = suffix + (*suffix == ' ');
-    switch (settings->source) {
-    case ISO_COLOR_BY_VOLUME:
-        snprintf(bar->title, sizeof bar->title, "%.*s", (int)sizeof bar->title - 1,
-                 settings->rest[0] ? settings->rest : base_name(settings->path));
-        if (!settings->rest[0]) bar->title[strcspn(bar->title, ".")] = 0;
-        break;
-    case ISO_COLOR_BY_CURVATURE:
-        snprintf(bar->title, sizeof bar->title, *unit ? "curvature (1/%s)" : "curvature", unit);
-        break;
-    case ISO_COLOR_BY_DISTANCE:
-    case ISO_COLOR_BY_DEPTH:
-        snprintf(bar->title, sizeof bar->title, *unit ? "%s (%s)" : "%s",
-                 settings->source == ISO_COLOR_BY_DEPTH ? "depth" : "distance", unit);
-        break;
-    case ISO_COLOR_BY_NORMAL:
-        break;
-    }
-}
-
 iso_status isorender_colorings_read(isorender_job *job, iso_error *error) {
     for (int i = 0; job->colorings && i < job->colorings->count; i++) {
         color_source *source = &job->colorings->sources[i];
-        const isorender_colormap *map = &source->settings->map;
+        const iso_colormap_choice *map = &source->settings->map;
         if (source->bar.high > source->bar.low) continue; /* in an earlier attempt */
         ISO_TRY(named(source->settings->path, read_source(job, source, error), error));
         if (map->file) ISO_TRY(iso_color_table_read(map->file, &source->table, error));
         source->bar =
             (iso_color_bar){.map = map->map, .table = map->file ? &source->table : NULL, .low = 0, .high = 1};
-        set_title(job, source->settings, &source->bar);
+        iso_coloring_settings_title(source->settings, isorender_unit(job), &source->bar);
     }
     return job->colorings ? iso_file_set_check(job->plan->files, error) : ISO_OK;
 }
@@ -489,7 +461,7 @@ void isorender_colorings_report(iso_json *json, const isorender_job *job) {
     iso_json_begin_array(json, "surface_colors");
     for (int i = 0; i < job->colorings->count; i++) {
         const color_source *source = &job->colorings->sources[i];
-        const isorender_coloring_settings *settings = source->settings;
+        const iso_coloring_settings *settings = source->settings;
         iso_json_begin_object(json, NULL);
         iso_json_string(json, "by", source->vertices.values ? "vertices" : names[settings->source]);
         if (settings->path[0]) iso_json_string(json, "path", settings->path);

@@ -141,8 +141,8 @@ static iso_status set_common(const isorender_object_options *options, int number
     object->field.axial = options->axial != 0;
     ISO_TRY(
         set_tensor_order(isorender_value_for(&options->tensor_orders, number), object->field.order, error));
-    ISO_TRY(isorender_colormap_parse(isorender_value_for(&options->maps, number), &object->map, error));
-    ISO_TRY(isorender_range_parse(isorender_value_for(&options->ranges, number), object->range, error));
+    ISO_TRY(iso_colormap_choice_parse(isorender_value_for(&options->maps, number), &object->map, error));
+    ISO_TRY(iso_range_parse(isorender_value_for(&options->ranges, number), object->range, error));
     return set_every(isorender_value_for(&options->every, number), object, error);
 }
 

@@ -3,14 +3,17 @@
 #ifndef ISO_APPS_ISORENDER_OBJECT_SETTINGS_H
 #define ISO_APPS_ISORENDER_OBJECT_SETTINGS_H
 
+#include "apps/common/coloring_settings.h"
 #include "apps/common/options.h"
-#include "apps/isorender/coloring_settings.h"
 #include "base/glyphs.h"
 #include "grids/volume/vectors_read.h"
 #include "io/common/read_opts.h"
 #include "render/shapes/shapes.h"
 
-enum { ISORENDER_OBJECTS = 32 }; /* in a picture */
+enum {
+    ISORENDER_OBJECTS = 32,
+    ISORENDER_COLORINGS = 16
+}; /* most of them in a picture; of --surface-color-by */
 
 typedef enum isorender_object_kind {
     ISORENDER_LINES,
@@ -49,7 +52,7 @@ typedef struct isorender_object_settings {
     iso_rgb color;        /* if colored */
     double opacity;       /* 0 .. 1 */
     const char *color_by; /* the attribute with numbers to be coloured; NULL: none */
-    isorender_colormap map;
+    iso_colormap_choice map;
     double range[2]; /* the numbers at both ends of the colormap; NAN: the smallest and the largest number */
     bool style_given;
     isorender_line_style style; /* of lines */

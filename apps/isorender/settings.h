@@ -178,7 +178,7 @@ typedef struct isorender_settings {
     double line_min_pixels;  /* least width of lines in the picture, pixels */
     double line_drop_pixels; /* by how much dropped vertices may move outlines of lines, pixels */
     int color_bar;           /* with bar_titles */
-    isorender_coloring_settings colorings[ISORENDER_COLORINGS]; /* of --surface-color-by */
+    iso_coloring_settings colorings[ISORENDER_COLORINGS]; /* of --surface-color-by */
     int coloring_count;
 
     /* ISO_METHOD_EXACT, _POINTS, _PULLPUSH, _DISCS, _SPLATS, _MESH, _RAYCAST, _HYBRID or

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "apps/common/scene_json.h"
+#include "apps/common/value_path.h"
 #include "apps/isosculpt/style.h"
 #include "base/file_types.h"
 #include "image/camera.h"
@@ -82,9 +83,8 @@ static void take_camera_option(isosculpt_opened_scene *scene, const char *name, 
 /* Notes an option whose things or colours a window does not show. */
 static void note_left_out(isosculpt_opened_scene *scene, const char *name) {
     static const char *const shown_by_isorender[] = {
-        "volume",     "surface", "lines",  "glyphs",    "streamlines", "labels", "smooth", "surface-color-by",
-        "ior",        "slice",   "aspect", "instances", "gaussians",   "text",   "ruler",  "panels",
-        "absorption", NULL};
+        "volume", "surface",   "lines",     "glyphs", "streamlines", "labels", "smooth",     "ior", "slice",
+        "aspect", "instances", "gaussians", "text",   "ruler",       "panels", "absorption", NULL};
     const size_t used = strlen(scene->left_out);
     int i = 0;
     while (shown_by_isorender[i] && strcmp(shown_by_isorender[i], name) != 0) i++;
@@ -137,10 +137,27 @@ iso_status isosculpt_opened_scene_read(const char *path, isosculpt_opened_scene 
     *scene = (isosculpt_opened_scene){.camera = {.view_up = {0, 0, 1}, .view_angle = 30}};
     ISO_TRY(iso_scene_json_read(path, &json, error));
     if (!json) return iso_fail(error, ISO_ERR_FORMAT, "%s: holds no scene", path);
-    const iso_status status = take_scene(scene, path, json, error);
+    scene->path = strdup(path);
+    const iso_status status =
+        scene->path ? take_scene(scene, path, json, error) : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     json_decref(json);
     if (status != ISO_OK) isosculpt_opened_scene_free(scene);
     return status;
+}
+
+/* The value of an option, with the path of a file in it as it is found; the caller's: free(). NULL: no
+ * memory. */
+static char *found_text(const isosculpt_opened_scene *scene, const char *name, const json_t *value) {
+    char *text = text_of(value, false), *found = NULL, *whole = NULL;
+    iso_value_path at;
+    if (!text || strcmp(name, "surface-color-by") != 0 ||
+        !iso_value_path_find(text, scene->path, &at, &found))
+        return text;
+    if (asprintf(&whole, "%.*s%s%s", (int)at.begin, text, found, text + at.begin + at.length) < 0)
+        whole = NULL;
+    free(found);
+    free(text);
+    return whole;
 }
 
 /* Applies the looks of a scene, whose values others replace, or its other options. */
@@ -152,7 +169,7 @@ static iso_status apply_options(const isosculpt_opened_scene *scene, bool looks,
     json_array_foreach(scene->options, i, option) {
         json_object_foreach(option, name, value) {
             if ((strcmp(name, "look") == 0) != looks || !isosculpt_style_has(name)) continue;
-            char *text = text_of(value, false);
+            char *text = found_text(scene, name, value);
             if (!text) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
             const iso_status status = isosculpt_style_set(viewport, name, text, error);
             free(text);
@@ -173,6 +190,7 @@ iso_status isosculpt_opened_scene_apply(const isosculpt_opened_scene *scene, iso
 void isosculpt_opened_scene_free(isosculpt_opened_scene *scene) {
     for (int i = 0; scene->strings && scene->strings[i]; i++) free(scene->strings[i]);
     free(scene->strings);
+    free(scene->path);
     json_decref(scene->options);
     *scene = (isosculpt_opened_scene){.strings = NULL};
 }

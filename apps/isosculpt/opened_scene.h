@@ -9,6 +9,7 @@
 typedef struct isosculpt_opened_scene {
     isosculpt_settings settings; /* open, isovalue and input are set; its strings lie in `strings` */
     char **strings;              /* owned; ends with NULL */
+    char *path;                  /* of the scene, beside which its files may be; owned */
     bool has_camera;
     iso_camera camera;
     struct json_t *options; /* of the scene, owned */

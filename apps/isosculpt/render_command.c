@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/isosculpt/viewport/color_by.h"
+
 /* Text in a fixed room. */
 typedef struct writer {
     char *text;
@@ -107,7 +109,17 @@ static void add_opacities(isosculpt_render_options *to, writer *w, const isoscul
     add_numbers(to, w, "opacity", (double[]){how->opacity, how->second_opacity}, two ? 2 : 1);
 }
 
-/* What is cut away, how cuts are capped, and the light at rest. */
+/* What the surfaces are coloured by. */
+static void add_colors(isosculpt_render_options *to, writer *w, const isosculpt_viewport *viewport) {
+    const isosculpt_color_by *by = isosculpt_viewport_color_by(viewport);
+    if (!isosculpt_viewport_is_colored(viewport)) return;
+    add_text(to, w, "surface-color-by", by->what);
+    if (to->count) to->items[to->count - 1].has_file = true;
+    if (by->map[0]) add_text(to, w, "colormap", by->map);
+    if (!isnan(by->range[0])) add_numbers(to, w, "range", by->range, 2);
+}
+
+/* What is cut away, how cuts are capped, the colours of data, and the light at rest. */
 static void add_style(isosculpt_render_options *to, writer *w, const isosculpt_viewport *viewport) {
     static const char *const caps[] = {"none", "surface", "color", "slice"};
     const isosculpt_cut *cut = &viewport->cut;
@@ -126,6 +138,7 @@ static void add_style(isosculpt_render_options *to, writer *w, const isosculpt_v
         if (cap->kind == ISO_CAP_SLICE && !isnan(cut->window[0]))
             add_numbers(to, w, "window", cut->window, 2);
     }
+    add_colors(to, w, viewport);
     if (!isosculpt_viewport_has_light(viewport)) return;
     if (light->occlusion.ambient && light->occlusion.range > 0)
         add_numbers(to, w, "occlusion", &light->occlusion.range, 1);

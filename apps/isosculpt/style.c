@@ -5,8 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/common/coloring_settings.h"
 #include "apps/common/looks.h"
 #include "apps/common/options.h"
+#include "apps/isosculpt/viewport/color_by.h"
 #include "base/parse.h"
 
 static iso_status fail_value(const char *option, const char *value, iso_error *error) {
@@ -103,6 +105,12 @@ static iso_status set_outline(isosculpt_viewport *viewport, const char *value, i
     return ISO_OK;
 }
 
+static iso_status set_range(isosculpt_viewport *viewport, const char *value, iso_error *error) {
+    double range[2];
+    ISO_TRY(iso_range_parse(value, range, error));
+    return isosculpt_color_by_set_range(viewport, range, error);
+}
+
 static iso_status set_look(isosculpt_viewport *viewport, const char *value, iso_error *error) {
     size_t count;
     const iso_look_value *values = iso_look_values(&count);
@@ -128,6 +136,9 @@ static const struct {
               {"occlusion", set_occlusion, true},
               {"shadow", set_shadow, true},
               {"outline", set_outline, true},
+              {"surface-color-by", isosculpt_color_by_set, false},
+              {"colormap", isosculpt_color_by_set_map, false},
+              {"range", set_range, false},
               {"look", set_look, false}};
 
 /* Its number in `styles`; -1: it is not there. */

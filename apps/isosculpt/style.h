@@ -12,9 +12,9 @@ extern "C" {
 /* Whether the option is one that isosculpt_style_set takes. */
 bool isosculpt_style_has(const char *option);
 
-/* Sets what the option says: isovalue (only a second one), color, opacity, background, clip (adds a cut; the
- * camera is set before), cap, window, occlusion, shadow, outline or look. value: NULL: none. ISO_ERR_USAGE,
- * ISO_ERR_LIMIT. */
+/* Sets what the option says: isovalue (only a second one), color, opacity, background, clip (adds a cut;
+ * the camera is set before), cap, window, occlusion, shadow, outline, surface-color-by, colormap, range
+ * or look. value: NULL: none. ISO_ERR_USAGE, ISO_ERR_LIMIT. */
 iso_status isosculpt_style_set(isosculpt_viewport *viewport, const char *option, const char *value,
                                iso_error *error);
 

@@ -8,6 +8,10 @@
 #include "base/status.h"
 #include "isopoint.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* GRAY is the last one: it has no table. */
 #define ISO_COLORMAPS(X)                                                                                     \
     X(VIRIDIS, "viridis")                                                                                    \
@@ -70,4 +74,7 @@ typedef struct iso_color_bar {
 /* The colour of a number. If low == high all numbers have the middle colour. NaN is middle gray. */
 iso_rgb iso_color_bar_at(const iso_color_bar *bar, double number);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

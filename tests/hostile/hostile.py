@@ -138,6 +138,10 @@ class Wrong(Exception):
     pass
 
 
+class Slow(Wrong):
+    """More processor time than is allowed, in a run whose processor may have been shared with others."""
+
+
 def command_of(programs, seed):
     first = seed.names[0].split("/")[0]
     words = seed.program.split()
@@ -232,7 +236,7 @@ def check_case(command, folder, tmp, before, baseline, attack=None, whole=None):
         json.loads(out, parse_constant=lambda c: (_ for _ in ()).throw(Wrong("%s in JSON" % c)))
     seconds = usage.ru_utime + usage.ru_stime
     if seconds > SECONDS:
-        raise Wrong("%.1f seconds of processor time" % seconds)
+        raise Slow("%.1f seconds of processor time" % seconds)
     if usage.ru_maxrss * 1024 > max(LIMIT, baseline) + SLACK:
         raise Wrong("%d MiB of memory" % (usage.ru_maxrss >> 10))
     if os.listdir(os.path.join(tmp, "tmp")):
@@ -260,30 +264,38 @@ def one_attack(programs, seed, attack, keep, undamaged_seed):
 
 
 def play(programs, seed, label, files, keep, baseline, attack=None, whole=None):
-    tmp = tempfile.mkdtemp(prefix="hostile-")
-    folder = os.path.join(tmp, "case")
     command = command_of(programs, seed)
     if attack and attack.command:
         attack.command(command)
-    try:
+
+    def make(folder):
         os.makedirs(folder)
         write_files(folder, files)
         if attack and attack.make:
             attack.make(folder)
-        check_case(command, folder, tmp, files, baseline, attack, whole)
+
+    def attempt():
+        tmp = tempfile.mkdtemp(prefix="hostile-")
+        folder = os.path.join(tmp, "case")
+        try:
+            make(folder)
+            check_case(command, folder, tmp, files, baseline, attack, whole)
+        finally:
+            shutil.rmtree(tmp, ignore_errors=True)
+
+    try:
+        try:
+            attempt()
+        except Slow:
+            attempt()  # the faster of two runs counts
         return None
     except Wrong as wrong:
         if keep:
             kept = os.path.join(keep, re.sub("[ /%]+", "-", "%s-%s" % (seed.label, label.replace("case ", ""))))
             shutil.rmtree(kept, ignore_errors=True)
-            os.makedirs(kept)
-            write_files(kept, files)
-            if attack and attack.make:
-                attack.make(kept)
+            make(kept)
             return "%s, %s: %s\n    cd %s && %s" % (seed.label, label, wrong, kept, " ".join(command))
         return "%s, %s: %s" % (seed.label, label, wrong)
-    finally:
-        shutil.rmtree(tmp, ignore_errors=True)
 
 
 def undamaged(programs, seed):

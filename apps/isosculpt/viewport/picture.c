@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "apps/isosculpt/viewport/async_surface.h"
+#include "apps/isosculpt/viewport/color_by.h"
 #include "apps/isosculpt/viewport/masked.h"
 #include "apps/isosculpt/viewport/memory.h"
 #include "apps/isosculpt/viewport/reference.h"
@@ -125,8 +126,8 @@ static bool is_by_gl(const isosculpt_viewport *viewport, bool moving) {
     const isosculpt_display_mode *mode = &viewport->mode;
     return viewport->gl && mode->engine == ISOSCULPT_ENGINE_GL && !viewport->mask.at &&
            !isosculpt_viewport_is_see_through(viewport) && !isosculpt_viewport_shows_reference(viewport) &&
-           !isosculpt_viewport_is_cut(viewport) && !is_lit(viewport, moving) &&
-           (mode->method != ISO_METHOD_EXACT || moving);
+           !isosculpt_viewport_is_cut(viewport) && !isosculpt_viewport_is_colored(viewport) &&
+           !is_lit(viewport, moving) && (mode->method != ISO_METHOD_EXACT || moving);
 }
 
 /* Draws the picture of drawn.view with factor x factor samples a pixel. */
@@ -330,6 +331,7 @@ static iso_status draw_again(isosculpt_viewport *viewport, bool moving, bool hur
     const iso_method method = quick ? ISO_METHOD_DISCS : best;
     const double extract_start = iso_clock_seconds();
     ISO_TRY(extract_part(viewport, isosculpt_method_part(method), quick, error));
+    if (!quick) ISO_TRY(isosculpt_color_by_find_range(viewport, moving, error));
     choose_points(viewport, quick);
     double start = iso_clock_seconds();
     const int factor = moving ? viewport->moving_factor : 1;

@@ -1,6 +1,7 @@
 /* shown: a viewport's scene, and pictures of it. */
 #include "apps/isosculpt/viewport/shown.h"
 
+#include "apps/isosculpt/viewport/color_by.h"
 #include "apps/isosculpt/viewport/masked.h"
 #include "base/memory.h"
 #include "render/shading/outline.h"
@@ -41,6 +42,8 @@ iso_status isosculpt_shown_list(isosculpt_viewport *viewport, iso_method method,
     s->layered[1].translucency.opacity = (float)how->second_opacity;
     for (int i = 0; i < count; i++) {
         s->layered[i].surface = &s->surfaces[i];
+        if (isosculpt_viewport_is_colored(viewport) && iso_method_can(method, ISO_CAN_COLORS))
+            s->surfaces[i].coloring = &viewport->color_by->coloring;
         if (!cut->count) continue;
         s->clips[i] = iso_cuts_clip(cut->cuts, cut->count, i, &viewport->camera, 0);
         s->surfaces[i].clip = &s->clips[i];

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "apps/isosculpt/viewport/async_surface.h"
+#include "apps/isosculpt/viewport/color_by.h"
 #include "apps/isosculpt/viewport/reference.h"
 #include "base/memory.h"
 #include "base/numbers.h"
@@ -100,6 +101,7 @@ void isosculpt_viewport_free(isosculpt_viewport *viewport) {
     iso_image_free(&viewport->image);
     iso_image_free(&viewport->tile_image);
     iso_image_free(&viewport->fine_image);
+    isosculpt_color_by_free(viewport);
     isosculpt_reference_destroy(viewport->reference);
     iso_pool_destroy(viewport->async_surface_pool);
     *viewport = (isosculpt_viewport){0};

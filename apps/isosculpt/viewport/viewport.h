@@ -108,8 +108,8 @@ typedef struct isosculpt_pick_buffer {
     double samples; /* samples along a pixel of the full picture; 0: nothing has been drawn yet */
 } isosculpt_pick_buffer;
 
-/* Zero-initialise. camera, mode, mask, see_through, cut and light (with `style`), opaque, sliding,
- * reference_mode and gl may be changed between calls; the rest is read only. */
+/* Zero-initialise. camera, mode, mask, see_through, cut and light (with `style`; so does what color_by.h
+ * sets), opaque, sliding, reference_mode and gl may be changed between calls; the rest is read only. */
 typedef struct isosculpt_viewport {
     iso_camera camera;
     isosculpt_display_mode mode;
@@ -118,8 +118,9 @@ typedef struct isosculpt_viewport {
     isosculpt_see_through see_through; /* for volumes; ignored for fields */
     isosculpt_cut cut;                 /* @1 and @2 name the surface and the second one */
     isosculpt_light light;
+    struct isosculpt_color_by *color_by; /* owned: color_by.h; NULL: the surfaces have colours of their own */
     double values[2];  /* of a volume: its least and greatest value, which caps show black and white */
-    unsigned style;    /* counts the changes of cut and light: add 1 after changing them */
+    unsigned style;    /* counts the changes of cut, light and color_by: add 1 after changing them */
     bool opaque;       /* draw only the first surface, opaque, because it is being converted into a field */
     bool sliding;      /* the user is dragging an isovalue */
     int moving_factor; /* width of a sample in pixels while the camera moves, 1 ..
@@ -202,6 +203,9 @@ void isosculpt_viewport_free(isosculpt_viewport *viewport);
 bool isosculpt_viewport_has_second(const isosculpt_viewport *viewport);
 bool isosculpt_viewport_is_see_through(const isosculpt_viewport *viewport);
 bool isosculpt_viewport_is_translucent(const isosculpt_viewport *viewport);
+/* Whether the surfaces of a viewed volume are coloured by data, which the cpu engine draws with lamps;
+ * methods that cannot are replaced by exact. */
+bool isosculpt_viewport_is_colored(const isosculpt_viewport *viewport);
 /* Whether something is cut away, which the cpu engine draws with the methods exact and mesh, and lamps; and
  * whether the picture at rest has `light`, which the cpu engine draws, with lamps. */
 bool isosculpt_viewport_is_cut(const isosculpt_viewport *viewport);

@@ -6,6 +6,7 @@
 
 #include <GLFW/glfw3.h>
 
+#include "apps/isosculpt/style.h"
 #include "apps/isosculpt/window/opening.h"
 #include "apps/isosculpt/window/reference.h"
 #include "apps/isosculpt/window/saving.h"
@@ -104,6 +105,14 @@ static void apply_isovalue(window *w) {
         w->last_change = iso_clock_seconds(); /* the exact picture is drawn after a pause */
 }
 
+/* Colours the surfaces by a volume, which is read. */
+static void color_by(window *w, const char *path) {
+    iso_error reason = {0};
+    if (isosculpt_style_set(&w->viewport, "surface-color-by", path, &reason) != ISO_OK)
+        isosculpt_window_set_status(w, true, reason.text);
+    w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
+}
+
 /* Uses the file chosen in the browser for the purpose for which the browser was opened. */
 static void use_chosen_path(window *w) {
     const isosculpt_purpose purpose = w->screen.chosen_purpose;
@@ -112,6 +121,8 @@ static void use_chosen_path(window *w) {
         isosculpt_window_request_screenshot(w, path);
     else if (isosculpt_browser_saves(purpose))
         isosculpt_window_request_save(w, purpose, path);
+    else if (purpose == ISOSCULPT_BROWSE_COLORS)
+        color_by(w, path);
     else
         isosculpt_window_open_file(w, path, purpose == ISOSCULPT_BROWSE_STAMP);
 }

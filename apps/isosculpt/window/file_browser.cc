@@ -8,14 +8,24 @@
 #include <imgui.h>
 
 static const char *title(isosculpt_purpose purpose) {
-    static const char *const titles[] = {"",        "Open a file",   "A mesh to add and carve with",
-                                         "Save as", "Export a copy", "Save a picture"};
+    static const char *const titles[] = {"",
+                                         "Open a file",
+                                         "A mesh to add and carve with",
+                                         "A volume to colour by",
+                                         "Save as",
+                                         "Export a copy",
+                                         "Save a picture"};
     return titles[purpose];
 }
 
 static const char *verb(isosculpt_purpose purpose) {
-    static const char *const verbs[] = {
-        "", "Open (Enter)", "Take it (Enter)", "Save (Enter)", "Export (Enter)", "Save (Enter)"};
+    static const char *const verbs[] = {"",
+                                        "Open (Enter)",
+                                        "Take it (Enter)",
+                                        "Take it (Enter)",
+                                        "Save (Enter)",
+                                        "Export (Enter)",
+                                        "Save (Enter)"};
     return verbs[purpose];
 }
 

@@ -17,6 +17,7 @@ typedef enum isosculpt_purpose {
     ISOSCULPT_BROWSE_NOTHING, /* the dialog is closed */
     ISOSCULPT_BROWSE_OPEN,
     ISOSCULPT_BROWSE_STAMP,
+    ISOSCULPT_BROWSE_COLORS, /* a volume that surfaces are coloured by */
     ISOSCULPT_BROWSE_SAVE,
     ISOSCULPT_BROWSE_EXPORT,
     ISOSCULPT_BROWSE_PICTURE

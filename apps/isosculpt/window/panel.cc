@@ -350,6 +350,7 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     if (!viewing_volume && ImGui::CollapsingHeader("History", open))
         draw_history_section(screen->controller, panel->scale);
     if (ImGui::CollapsingHeader("Cut and light")) panel_draw_cut(screen);
+    if (screen->volume && ImGui::CollapsingHeader("Colour by data")) panel_draw_colors(screen);
     if (ImGui::CollapsingHeader("Numbers")) draw_numbers_section(screen->controller);
     ImGui::PopItemWidth();
     panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
@@ -567,6 +568,7 @@ static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
         panel->is_over((controller->x + screen->picture_x) / screen->pixels, controller->y / screen->pixels);
     const bool brush = !screen->volume || screen->sculpting;
     panel_draw_picture(screen, panel->scale);
+    panel_draw_color_bar(screen, panel->scale);
     if (brush && !screen->blank && !panel->modal && (!over || controller->drag == ISOSCULPT_DRAG_BRUSH))
         panel_draw_brush(screen, panel->scale);
 }

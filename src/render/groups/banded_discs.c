@@ -6,6 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/kernel_units.h"
+#include "base/numbers.h"
+#include "render/groups/disc_hits.h"
+
 enum { CHUNK = 4096 }; /* number of points that one task projects */
 
 /* A part of a span, with the results of projecting it. */
@@ -76,6 +80,25 @@ static iso_rows pixels_along(const iso_disc_view *view, const iso_disc *disc, in
 iso_disc_box iso_disc_bounds(const iso_disc_view *view, const iso_disc *disc, const iso_disc_box *within) {
     return (iso_disc_box){pixels_along(view, disc, 0, view->axis_x, within->columns),
                           pixels_along(view, disc, 1, view->axis_y, within->rows)};
+}
+
+/* ---- hits */
+
+void iso_disc_visit_hits(const iso_banded_discs *discs, const iso_disc *disc, const iso_disc_box *within,
+                         iso_disc_visit_fn *visit, void *context) {
+    iso_disc_hits_fn *find = ISO_KERNEL_UNIT(iso_disc_find_hits, iso_cpu_best());
+    const iso_disc_box all = iso_disc_bounds(&discs->view, disc, within);
+    iso_disc_hits hits;
+    for (int y = all.rows.first; y <= all.rows.last; y += ISO_DISC_ROWS)
+        for (int x = all.columns.first; x <= all.columns.last; x += ISO_DISC_COLUMNS) {
+            const iso_disc_box box = {{x, iso_min_int(x + ISO_DISC_COLUMNS - 1, all.columns.last)},
+                                      {y, iso_min_int(y + ISO_DISC_ROWS - 1, all.rows.last)}};
+            float rows[ISO_DISC_ROWS];
+            for (int row = box.rows.first; row <= box.rows.last; row++)
+                rows[row - y] = iso_disc_row(&discs->view, row);
+            const int count = find(&discs->view, disc, &box, discs->columns.data, rows, &hits);
+            if (count > 0) visit(context, &hits, count);
+        }
 }
 
 /* ---- projection */
@@ -182,6 +205,14 @@ static bool join_chunks(projection *p) {
            eye[1] < all.hi.y && eye[2] < all.hi.z;
 }
 
+static iso_status make_columns(iso_banded_discs *discs, int width, iso_error *error) {
+    const size_t count = (size_t)width + ISO_LANES_MAX;
+    ISO_TRY(iso_buffer_reserve(&discs->columns, count * sizeof(float), 0, error));
+    float *columns = discs->columns.data;
+    for (size_t x = 0; x < count; x++) columns[x] = iso_disc_column(&discs->view, (int)x);
+    return ISO_OK;
+}
+
 iso_status iso_banded_discs_project(iso_banded_discs *discs, const iso_view *view,
                                     const iso_point_view *points, float factor, iso_pool *pool,
                                     iso_error *error) {
@@ -191,6 +222,7 @@ iso_status iso_banded_discs_project(iso_banded_discs *discs, const iso_view *vie
                     .picture = {{0, view->width - 1}, {0, view->height - 1}},
                     .factor = factor};
     discs->view = iso_disc_view_make(view);
+    ISO_TRY(make_columns(discs, view->width, error));
     ISO_TRY(make_chunks(&p, error));
     iso_status status = iso_buffer_reserve(&discs->disc, discs->count * sizeof(iso_disc), 0, error);
     if (status == ISO_OK)
@@ -275,6 +307,7 @@ iso_rows iso_banded_discs_band(const iso_banded_discs *discs, size_t band) {
 void iso_banded_discs_free(iso_banded_discs *discs) {
     iso_buffer_free(&discs->disc);
     iso_buffer_free(&discs->rows);
+    iso_buffer_free(&discs->columns);
     iso_buffer_free(&discs->order);
     iso_buffer_free(&discs->start);
     *discs = (iso_banded_discs){0};

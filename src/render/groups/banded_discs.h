@@ -53,6 +53,7 @@ typedef struct iso_disc_box {
 typedef struct iso_banded_discs {
     iso_disc_view view;
     iso_buffer disc, rows; /* iso_disc; iso_rows, which are empty if a disc is not drawn */
+    iso_buffer columns; /* float: iso_disc_column of each column of the picture, and a vector's worth more */
     size_t count;
     float depth[2];       /* smallest and largest depth of all discs, also of those outside the picture; mm */
     int height;           /* rows of the picture */

@@ -2,6 +2,7 @@
  * pictures (Zhang and Pajarola 2006, algorithm 2). For algorithm 3, the nearest layer is drawn separately. */
 #include <string.h>
 
+#include "render/groups/disc_hits.h"
 #include "render/groups/layer_lists.h"
 
 /* A pixel in the picture of one group. */
@@ -52,35 +53,43 @@ static void composite(pixel *to, const iso_fragment *disc, float bin) {
         to->color[k] = disc->opacity * disc->color[k] + (1 - disc->opacity) * to->color[k];
 }
 
+/* The drawing of a disc. */
+typedef struct drawn_disc {
+    const images *im;
+    iso_fragment shaded;
+    float thickness; /* based on the disc's usual size, not on the enlarged one */
+    uint64_t groups; /* bits of the groups that it belongs to */
+} drawn_disc;
+
+static void draw_hits(void *context, const iso_disc_hits *hits, int count) {
+    const drawn_disc *d = context;
+    const images *im = d->im;
+    const iso_splat_band *band = im->band;
+    for (int i = 0; i < count; i++) {
+        const size_t at =
+            (size_t)(hits->row[i] - band->rows.first) * (size_t)band->width + (size_t)hits->column[i];
+        const float depth = hits->depth[i];
+        if (depth <= im->mask[at] + d->thickness || (band->lists->limit && !(depth < band->lists->limit[at])))
+            continue;
+        for (uint64_t left = d->groups; left; left &= left - 1) {
+            pixel *image = im->image + im->pixels * (size_t)__builtin_ctzll(left);
+            composite(&image[at], &d->shaded, floorf(depth / im->surface->bin));
+        }
+        im->front[at] = depth < im->front[at] ? depth : im->front[at];
+    }
+}
+
 static void draw_disc(const images *im, uint32_t number) {
     const iso_splat_surface *surface = im->surface;
-    const iso_splat_band *band = im->band;
-    const iso_disc_view *view = &surface->wide.view;
     const iso_disc *disc = (const iso_disc *)surface->wide.disc.data + number;
-    const iso_disc_box within = {{0, band->width - 1}, band->rows},
-                       box = iso_disc_bounds(view, disc, &within);
-    const iso_fragment shaded = iso_splat_fragment(surface, disc);
-    const float thickness =
-        iso_splat_thickness((const iso_disc *)surface->discs.disc.data + number); /* based on the disc's usual
-                                                                                     size, not on the enlarged
-                                                                                     one */
+    const iso_disc_box within = {{0, im->band->width - 1}, im->band->rows};
     const iso_groups *groups = surface->input->groups;
-    const uint64_t drawn =
-        (uint64_t)1 << groups->group[disc->point] | (groups->copies ? groups->copies[disc->point] : 0);
-    for (int y = box.rows.first; y <= box.rows.last; y++)
-        for (int x = box.columns.first; x <= box.columns.last; x++) {
-            const size_t at = (size_t)(y - band->rows.first) * (size_t)band->width + (size_t)x;
-            iso_disc_hit hit;
-            if (!iso_disc_intersect(view, disc, iso_disc_column(view, x), iso_disc_row(view, y), &hit) ||
-                hit.depth <= im->mask[at] + thickness ||
-                (band->lists->limit && !(hit.depth < band->lists->limit[at])))
-                continue;
-            for (uint64_t left = drawn; left; left &= left - 1) {
-                pixel *image = im->image + im->pixels * (size_t)__builtin_ctzll(left);
-                composite(&image[at], &shaded, floorf(hit.depth / surface->bin));
-            }
-            im->front[at] = hit.depth < im->front[at] ? hit.depth : im->front[at];
-        }
+    drawn_disc drawn = {.im = im,
+                        .shaded = iso_splat_fragment(surface, disc),
+                        .thickness = iso_splat_thickness((const iso_disc *)surface->discs.disc.data + number),
+                        .groups = (uint64_t)1 << groups->group[disc->point] |
+                                  (groups->copies ? groups->copies[disc->point] : 0)};
+    iso_disc_visit_hits(&surface->wide, disc, &within, draw_hits, &drawn);
 }
 
 static void draw_discs(const images *im) {

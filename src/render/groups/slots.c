@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#include "render/groups/disc_hits.h"
+
 static const uint64_t NO_DISC = UINT64_MAX;
 
 /* ---- keys */
@@ -15,24 +17,18 @@ static uint32_t ordered_bits(float depth) {
     return bits >> 31 ? ~bits : bits | 1u << 31;
 }
 
-/* Returns a key of the paper: the depth in bins (eq. 6), and in each bin the distance from the disc's centre
- * (eq. 10), which stays below 1 so that a rim does not count as the centre of the next bin. */
-static uint32_t binned(const iso_slots *slots, const iso_disc_hit *hit) {
+/* Returns the upper half of a key of the paper: the depth in bins (eq. 6), and in each bin the distance
+ * from the disc's centre (eq. 10), which stays below 1 so that a rim does not count as the centre of the
+ * next bin. */
+static uint32_t binned(const iso_slots *slots, float depth, float e) {
     const double least = (double)slots->discs->depth[0], range = (double)slots->discs->depth[1] - least,
-                 part = range > 0 ? ((double)hit->depth - least) / range : 0,
+                 part = range > 0 ? ((double)depth - least) / range : 0,
                  bin = floor((part < 0   ? 0
                               : part > 1 ? 1
                                          : part) *
                              slots->bins),
-                 distance = sqrt((double)hit->e) * (1 - 1.0 / 4096);
+                 distance = sqrt((double)e) * (1 - 1.0 / 4096);
     return (uint32_t)((bin + distance) * (4294967295.0 / (slots->bins + 2)));
-}
-
-static uint64_t key_of(const iso_slots *slots, const iso_disc *disc, uint32_t number,
-                       const iso_disc_hit *hit) {
-    const uint32_t depth =
-        slots->bins > 0 ? binned(slots, hit) : ordered_bits(hit->depth + iso_splat_thickness(disc) * hit->e);
-    return (uint64_t)depth << 32 | number;
 }
 
 /* ---- drawing */
@@ -61,27 +57,41 @@ static bool is_left(const iso_slots *slots, int x, int y, float depth) {
     return iso_clip_shows(slots->cut->clip, iso_vec3_add(origin, iso_vec3_scale(direction, (double)depth)));
 }
 
+/* The drawing of a disc into a band. */
+typedef struct drawn_disc {
+    const iso_slots_band *band;
+    const iso_disc *disc;
+    uint32_t number;
+    bool is_cut; /* the clip leaves a part of it */
+} drawn_disc;
+
+static void draw_hits(void *context, const iso_disc_hits *hits, int count) {
+    const drawn_disc *d = context;
+    const iso_slots_band *band = d->band;
+    const iso_slots *slots = band->slots;
+    uint64_t *slot = band->keys + slots->groups->group[d->disc->point];
+    const float thickness = iso_splat_thickness(d->disc);
+    for (int i = 0; i < count; i++) {
+        const int x = hits->column[i], y = hits->row[i];
+        const size_t pixel = (size_t)(y - band->rows.first) * (size_t)slots->width + (size_t)x;
+        uint64_t *to = slot + pixel * (size_t)slots->groups->count;
+        if ((band->limit && !(hits->depth[i] < band->limit[pixel])) ||
+            (d->is_cut && !is_left(slots, x, y, hits->depth[i])))
+            continue;
+        const uint32_t depth = slots->bins > 0 ? binned(slots, hits->depth[i], hits->e[i])
+                                               : ordered_bits(hits->depth[i] + thickness * hits->e[i]);
+        const uint64_t key = (uint64_t)depth << 32 | d->number;
+        *to = key < *to ? key : *to;
+    }
+}
+
 void iso_slots_draw(const iso_slots_band *band, uint32_t number) {
     const iso_slots *slots = band->slots;
-    const iso_disc_view *view = &slots->discs->view;
     const iso_disc *disc = (const iso_disc *)slots->discs->disc.data + number;
-    const iso_disc_box within = {{0, slots->width - 1}, band->rows},
-                       box = iso_disc_bounds(view, disc, &within);
+    const iso_disc_box within = {{0, slots->width - 1}, band->rows};
     const iso_clip_rest rest = rest_of(slots, disc);
-    if (rest == ISO_CLIP_NOTHING) return;
-    uint64_t *slot = band->keys + slots->groups->group[disc->point];
-    for (int y = box.rows.first; y <= box.rows.last; y++)
-        for (int x = box.columns.first; x <= box.columns.last; x++) {
-            const size_t pixel = (size_t)(y - band->rows.first) * (size_t)slots->width + (size_t)x;
-            uint64_t *to = slot + pixel * (size_t)slots->groups->count;
-            iso_disc_hit hit;
-            if (!iso_disc_intersect(view, disc, iso_disc_column(view, x), iso_disc_row(view, y), &hit) ||
-                (band->limit && !(hit.depth < band->limit[pixel])) ||
-                (rest == ISO_CLIP_SOME && !is_left(slots, x, y, hit.depth)))
-                continue;
-            const uint64_t key = key_of(slots, disc, number, &hit);
-            *to = key < *to ? key : *to;
-        }
+    drawn_disc drawn = {band, disc, number, rest == ISO_CLIP_SOME};
+    if (rest != ISO_CLIP_NOTHING) iso_disc_visit_hits(slots->discs, disc, &within, draw_hits, &drawn);
 }
 
 /* ---- resolving */

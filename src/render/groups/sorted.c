@@ -1,6 +1,7 @@
 /* sorted: lists of all discs of each pixel of a band, sorted by depth and merged into layers. */
 #include <string.h>
 
+#include "render/groups/disc_hits.h"
 #include "render/groups/layer_lists.h"
 
 /* The largest size in bytes of a band's hits, and of those of a band that cannot be divided. */
@@ -21,31 +22,38 @@ typedef struct hit_lists {
 
 /* ---- collecting */
 
-/* Adds the hits of a disc: without `hits` only to the pixels' counts, which are start[2 ..]; else also stores
+/* The collecting of a disc's hits. */
+typedef struct collection {
+    const iso_splat_band *band;
+    const hit_lists *to;
+    uint32_t disc;
+} collection;
+
+/* Adds hits of a disc: without `hits` only to the pixels' counts, which are start[2 ..]; else also stores
  * the hits where start[1 ..] points. */
-static void collect_disc(const iso_splat_surface *surface, const iso_splat_band *band, uint32_t number,
-                         const hit_lists *to) {
-    const iso_disc_view *view = &surface->discs.view;
-    const iso_disc *disc = (const iso_disc *)surface->discs.disc.data + number;
-    const iso_disc_box within = {{0, band->width - 1}, band->rows},
-                       box = iso_disc_bounds(view, disc, &within);
-    for (int y = box.rows.first; y <= box.rows.last; y++)
-        for (int x = box.columns.first; x <= box.columns.last; x++) {
-            iso_disc_hit h;
-            if (!iso_disc_intersect(view, disc, iso_disc_column(view, x), iso_disc_row(view, y), &h))
-                continue;
-            const size_t pixel = (size_t)(y - band->rows.first) * (size_t)band->width + (size_t)x;
-            if (to->hits)
-                to->hits[to->start[pixel + 1]++] = (hit){h.depth, h.e, number, h.away};
-            else
-                to->start[pixel + 2]++;
-        }
+static void collect_hits(void *context, const iso_disc_hits *found, int count) {
+    const collection *c = context;
+    const hit_lists *to = c->to;
+    for (int i = 0; i < count; i++) {
+        const size_t pixel =
+            (size_t)(found->row[i] - c->band->rows.first) * (size_t)c->band->width + (size_t)found->column[i];
+        if (to->hits)
+            to->hits[to->start[pixel + 1]++] =
+                (hit){found->depth[i], found->e[i], c->disc, found->away[i] != 0};
+        else
+            to->start[pixel + 2]++;
+    }
 }
 
 static void collect_discs(const iso_splat_surface *surface, const iso_splat_band *band, const hit_lists *to) {
     const size_t *start = (const size_t *)surface->discs.start.data + band->number;
     const uint32_t *order = surface->discs.order.data;
-    for (size_t i = start[0]; i < start[1]; i++) collect_disc(surface, band, order[i], to);
+    const iso_disc *discs = surface->discs.disc.data;
+    const iso_disc_box within = {{0, band->width - 1}, band->rows};
+    for (size_t i = start[0]; i < start[1]; i++) {
+        collection c = {band, to, order[i]};
+        iso_disc_visit_hits(&surface->discs, &discs[order[i]], &within, collect_hits, &c);
+    }
 }
 
 /* Collects the hits of a band; those of each pixel are nearly in order. Returns false if they do not fit into

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "render/groups/disc_hits.h"
 #include "render/groups/groups.h"
 #include "scene_support.h"
 #include "splats_reference.h"
@@ -223,11 +224,76 @@ static void test_unusable_points(void **state) {
     iso_gbuffer_free(&got);
 }
 
+/* The next hit that is expected of a disc, pixel by pixel. */
+typedef struct expected_hits {
+    const iso_banded_discs *discs;
+    const iso_disc *disc;
+    uint8_t seen[HEIGHT][WIDTH];
+    int count;
+} expected_hits;
+
+static void check_hits(void *context, const iso_disc_hits *hits, int count) {
+    expected_hits *e = context;
+    const iso_disc_view *view = &e->discs->view;
+    for (int i = 0; i < count; i++) {
+        const int x = hits->column[i], y = hits->row[i];
+        iso_disc_hit hit;
+        assert_true(iso_disc_intersect(view, e->disc, iso_disc_column(view, x), iso_disc_row(view, y), &hit));
+        assert_memory_equal(&hits->depth[i], &hit.depth, sizeof hit.depth);
+        assert_memory_equal(&hits->e[i], &hit.e, sizeof hit.e);
+        assert_int_equal(hits->away[i], hit.away);
+        assert_int_equal(e->seen[y][x]++, 0);
+    }
+    e->count += count;
+}
+
+/* Counts the pixels that a disc covers, each by itself. */
+static int count_covered(const iso_disc_view *view, const iso_disc *disc) {
+    int count = 0;
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) {
+            iso_disc_hit hit;
+            count += iso_disc_intersect(view, disc, iso_disc_column(view, x), iso_disc_row(view, y), &hit);
+        }
+    return count;
+}
+
+/* Discs of many sizes, some behind the near plane in part: in vectors, their hits have the bits that
+ * single pixels have, at every level. */
+static void test_hits(void **state) {
+    (void)state;
+    static cloud c;
+    iso_error error;
+    for (int run = 0; run < 12; run++) {
+        const iso_view view = test_plain_view(WIDTH, HEIGHT, run % 2, run % 2 ? 5 : 90);
+        iso_banded_discs discs = {0};
+        int all = 0;
+        make_cloud(&c, MOST, run < 6 ? 4 : 40, run < 4 ? 0.05 : run < 8 ? 1 : 8, (uint32_t)run + 1);
+        test_ok(iso_banded_discs_project(&discs, &view, &c.view, 1, NULL, &error), &error);
+        for (int level = 0; level < ISO_CPU_LEVELS; level++) {
+            iso_cpu_limit((iso_cpu_level)level);
+            for (uint32_t i = 0; i < MOST; i++) {
+                const iso_rows *rows = (const iso_rows *)discs.rows.data + i;
+                expected_hits e = {.discs = &discs, .disc = (const iso_disc *)discs.disc.data + i};
+                const iso_disc_box picture = {{0, WIDTH - 1}, {0, HEIGHT - 1}};
+                if (rows->first > rows->last) continue;
+                iso_disc_visit_hits(&discs, e.disc, &picture, check_hits, &e);
+                assert_int_equal(e.count, count_covered(&discs.view, e.disc));
+                all += e.count;
+            }
+        }
+        iso_cpu_limit(ISO_CPU_AVX512);
+        assert_true(all > 0);
+        iso_banded_discs_free(&discs);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_alone),   cmocka_unit_test(test_small),
         cmocka_unit_test(test_groups),  cmocka_unit_test(test_threads_and_strips),
         cmocka_unit_test(test_culling), cmocka_unit_test(test_unusable_points),
+        cmocka_unit_test(test_hits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

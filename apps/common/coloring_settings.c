@@ -1,5 +1,5 @@
 /* coloring_settings: the words of --surface-color-by, --colormap and --range. */
-#include "apps/isorender/coloring_settings.h"
+#include "apps/common/coloring_settings.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,8 +10,8 @@
 #include "apps/common/value_path.h"
 #include "base/parse.h"
 
-iso_status isorender_colormap_parse(const char *value, isorender_colormap *map, iso_error *error) {
-    *map = (isorender_colormap){.given = value != NULL, .map = ISO_COLORMAP_VIRIDIS};
+iso_status iso_colormap_choice_parse(const char *value, iso_colormap_choice *map, iso_error *error) {
+    *map = (iso_colormap_choice){.given = value != NULL, .map = ISO_COLORMAP_VIRIDIS};
     if (!value) return ISO_OK;
     if (iso_colormap_find(value, &map->map, NULL) == ISO_OK) return ISO_OK;
     if (strpbrk(value, "./") || access(value, F_OK) == 0)
@@ -21,7 +21,7 @@ iso_status isorender_colormap_parse(const char *value, isorender_colormap *map, 
     return ISO_OK;
 }
 
-iso_status isorender_range_parse(const char *value, double range[2], iso_error *error) {
+iso_status iso_range_parse(const char *value, double range[2], iso_error *error) {
     range[0] = range[1] = (double)NAN;
     if (!value) return ISO_OK;
     if (!iso_parse_reals(value, 2, range) || !(range[0] < range[1]))
@@ -44,8 +44,8 @@ static size_t scene_length(const char *text, size_t length) {
 }
 
 /* Takes the path and what stands behind it. */
-static iso_status take_file(const char *value, const iso_value_path *whole,
-                            isorender_coloring_settings *coloring, iso_error *error) {
+static iso_status take_file(const char *value, const iso_value_path *whole, iso_coloring_settings *coloring,
+                            iso_error *error) {
     const char *text = value + whole->begin;
     iso_value_path path;
     if (iso_loader_is_scene(text))
@@ -65,12 +65,40 @@ static iso_status take_file(const char *value, const iso_value_path *whole,
     return ISO_OK;
 }
 
-iso_status isorender_coloring_parse(const char *value, isorender_coloring_settings *coloring,
-                                    iso_error *error) {
+/* "density.nrrd" of "/data/density.nrrd" */
+static const char *base_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+void iso_coloring_settings_title(const iso_coloring_settings *settings, iso_world_unit world,
+                                 iso_color_bar *bar) {
+    const char *suffix = iso_world_unit_suffix(world), *unit = suffix + (*suffix == ' ');
+    bar->title[0] = 0;
+    switch (settings->source) {
+    case ISO_COLOR_BY_VOLUME:
+        snprintf(bar->title, sizeof bar->title, "%.*s", (int)sizeof bar->title - 1,
+                 settings->rest[0] ? settings->rest : base_name(settings->path));
+        if (!settings->rest[0]) bar->title[strcspn(bar->title, ".")] = 0;
+        break;
+    case ISO_COLOR_BY_CURVATURE:
+        snprintf(bar->title, sizeof bar->title, *unit ? "curvature (1/%s)" : "curvature", unit);
+        break;
+    case ISO_COLOR_BY_DISTANCE:
+    case ISO_COLOR_BY_DEPTH:
+        snprintf(bar->title, sizeof bar->title, *unit ? "%s (%s)" : "%s",
+                 settings->source == ISO_COLOR_BY_DEPTH ? "depth" : "distance", unit);
+        break;
+    case ISO_COLOR_BY_NORMAL:
+        break;
+    }
+}
+
+iso_status iso_coloring_settings_parse(const char *value, iso_coloring_settings *coloring, iso_error *error) {
     const iso_value_path whole = iso_value_path_whole(value);
     const char *behind = value + whole.begin + whole.length;
-    *coloring = (isorender_coloring_settings){
-        .text = value, .isovalue = (double)NAN, .range = {(double)NAN, (double)NAN}};
+    *coloring =
+        (iso_coloring_settings){.text = value, .isovalue = (double)NAN, .range = {(double)NAN, (double)NAN}};
     if (*behind) ISO_TRY(iso_things_parse(behind + 1, &coloring->things, error));
     static const struct {
         const char *word;
