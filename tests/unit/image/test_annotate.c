@@ -392,7 +392,7 @@ static void annotations_leave_each_other_room(void **state) {
     iso_image_free(&under);
 }
 
-/* Of a legend that is larger than the picture as much is drawn as there is room for, and said how much is not. */
+/* Of a legend that is too large as much is drawn as there is room for, and it says how much is left out. */
 static void legends_say_what_is_left_out(void **state) {
     (void)state;
     enum { ENTRIES = 200 };
