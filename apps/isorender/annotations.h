@@ -41,7 +41,8 @@ int isorender_color_bars(const struct isorender_job *job, iso_color_bar bars[ISO
 typedef iso_status isorender_enlarged(struct isorender_job *job, int frame, int factor, const int rows[2],
                                       iso_image *image, iso_error *error);
 
-/* Adds what is drawn over a frame, `image`, of which it covers little. enlarge: draws what an inset shows. ISO_ERR_USAGE: --legend names another
+/* Adds what is drawn over a frame, `image`, of which it covers little. enlarge: draws what an inset shows.
+ * ISO_ERR_USAGE: --legend names another
  * number of things than there are; ISO_ERR_NOMEM. */
 iso_status isorender_annotate(struct isorender_job *job, int frame, const iso_camera *camera,
                               const iso_image *image, isorender_enlarged *enlarge, iso_drawing *drawing,

@@ -112,7 +112,7 @@ static iso_vec3 middle_of(const iso_vec3 *a, const iso_vec3 *b) {
     return iso_vec3_scale(iso_vec3_add(*a, *b), 0.5);
 }
 
-/* The position of a corner of the volume: of its first or last voxels along each axis, by the bits of `which`. */
+/* A corner of the volume: of its first or last voxels along each axis, by the bits of `which`. */
 static iso_vec3 volume_corner(const isorender_job *job, int which) {
     const iso_volume_info *info = &job->loader.volume.info;
     const iso_affine affine = iso_transform_affine(&info->transform);
