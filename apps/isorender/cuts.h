@@ -25,7 +25,8 @@ bool isorender_slice_bar(const struct isorender_job *job, iso_color_bar *bar);
 /* What they are. Borrows `solids`, which is filled. */
 iso_cut_caps isorender_caps(const struct isorender_job *job, iso_capped solids[ISORENDER_SURFACES]);
 
-/* A cut or slice, with its plane in the middle of the volume, or of everything if there is none, if it is to be
+/* A cut or slice, with its plane in the middle of the volume, or of everything if there is none, if it is
+ * to be
  * there. */
 iso_cut isorender_cut_placed(const struct isorender_job *job, const iso_cut *cut);
 /* The box of slices that do not depend on the camera, in coordinates along three vectors. */

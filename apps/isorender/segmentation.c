@@ -259,7 +259,8 @@ static void add_surface(isorender_job *job, isorender_segmentation *s, int group
     if (surface->translucency.opacity >= 1) surface->scene.labels = &s->shared;
 }
 
-/* Refuses the many values of a scan, whose neighbours along x mostly differ: to draw them as labels takes minutes
+/* Refuses the many values of a scan, whose neighbours along x mostly differ: to draw them as labels takes
+ * minutes
  * and shows nothing. Who names labels means them. */
 static iso_status check_plateaus(const isorender_job *job, const isorender_segmentation *s,
                                  iso_error *error) {

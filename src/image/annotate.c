@@ -250,7 +250,8 @@ typedef struct bar_ticks {
     int digits; /* that their texts need */
 } bar_ticks;
 
-/* Sets *t to at most `most` and, but for that, at least 3 ticks in low .. high. False: there are none, because
+/* Sets *t to at most `most` and, but for that, at least 3 ticks in low .. high. False: there are none,
+ * because
  * the numbers are equal, or nearly. */
 static bool make_ticks(double low, double high, int most, bar_ticks *t) {
     static const double steps[] = {1, 2, 2.5, 5};
@@ -549,7 +550,8 @@ static void draw_kind(const pen *p, const iso_annotation *a, iso_annotation_kind
     if (kind == ISO_ANNOTATION_SCALE_BAR && a->scale_bar) draw_scale_bar(p, a);
 }
 
-/* Chooses where kinds stand, or looks up where they are to stand, and sets how far they are moved. The largest
+/* Chooses where kinds stand, or looks up where they are to stand, and sets how far they are moved. The
+ * largest
  * ones choose first. */
 static void place_kinds(const iso_annotation *a, const iso_placing *placing, iso_annotation_places *places) {
     static const iso_annotation_kind order[] = {ISO_ANNOTATION_COLOR_BARS, ISO_ANNOTATION_LEGEND,
