@@ -41,7 +41,8 @@ extern const char iso_cut_forms[];
  *   box:X0,Y0,Z0,X1,Y1,Z1          the inside of a box
  *   sphere:X,Y,Z,R                 the inside of a ball
  * With ras: before it, it is in RAS; lps: states what is usual. With keep: before all that, everything
- * else is cut away. With @N,.. behind it, only the surfaces and objects with these numbers (from 1) are cut. ISO_ERR_USAGE. */
+ * else is cut away. With @N,.. behind it, only the surfaces and objects with these
+ * numbers (from 1) are cut. ISO_ERR_USAGE. */
 iso_status iso_cut_parse(const char *text, iso_cut *cut, iso_error *error);
 
 /* Parses a plane: x=MM or x (y, z), sagittal, coronal, axial, X,Y,Z:NX,NY,NZ or camera:MM, with ras: or lps:
