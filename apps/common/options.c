@@ -92,13 +92,11 @@ static iso_status fail_resolution(const char *text, iso_error *error) {
         const char *name, *size;
     } names[] = {{"720p", "1280x720"}, {"hd", "1920x1080"}, {"1080p", "1920x1080"}, {"1440p", "2560x1440"},
                  {"2k", "2048x1080"},  {"4k", "3840x2160"}, {"uhd", "3840x2160"},   {"8k", "7680x4320"}};
-    int side;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (same_letters(text, names[i].name))
             return iso_fail(error, ISO_ERR_USAGE, "'%s' is not WxH: %s", text, names[i].size);
-    if (iso_parse_int(text, &side) && side > 0)
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not WxH, such as %dx%d", text, side, side);
-    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not WxH, such as 1920x1080", text);
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is neither WxH, such as 1920x1080, nor the side of a square",
+                    text);
 }
 
 iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error) {
@@ -106,7 +104,11 @@ iso_status iso_parse_resolution(const char *text, int size[2], iso_error *error)
     int w, h;
     if (!take_pixels(&at, &w)) return fail_resolution(text, error);
     at += strspn(at, " ");
-    if (!*at || !strchr("xX,*", *at++) || !take_pixels(&at, &h) || *at) return fail_resolution(text, error);
+    const bool square = !*at;
+    if (square)
+        h = w;
+    else if (!strchr("xX,*", *at++) || !take_pixels(&at, &h) || *at)
+        return fail_resolution(text, error);
     if (w < 1 || h < 1 || w > ISO_IMAGE_MAX || h > ISO_IMAGE_MAX)
         return iso_fail(error, ISO_ERR_USAGE, "%s: sides must be 1 to %d pixels", text, ISO_IMAGE_MAX);
     size[0] = w;
@@ -249,7 +251,8 @@ static void write_name(const char *typed, char *name, size_t size) {
         *name = *name == '_' ? '-' : *name >= 'A' && *name <= 'Z' ? (char)(*name - 'A' + 'a') : *name;
 }
 
-static iso_status fail_unknown(const iso_program *program, const char *argument, iso_error *error) {
+/* Writes an unknown option as "--name (what is meant)". */
+static void explain_unknown(const iso_program *program, const char *argument, char *text, size_t size) {
     char name[NAME_MAX_LENGTH + 1], hint[256];
     write_name(argument + strspn(argument, "-"), name, sizeof name);
     if (iso_options_find(program, name, strlen(name))) /* with one dash, or in capitals */
@@ -258,8 +261,58 @@ static iso_status fail_unknown(const iso_program *program, const char *argument,
         const char *nearest = iso_options_nearest(program, name);
         snprintf(hint, sizeof hint, nearest ? "did you mean --%s?" : "see --help", nearest);
     }
-    return iso_fail(error, ISO_ERR_USAGE, "unknown option %.*s (%s)", (int)strcspn(argument, "="), argument,
-                    hint);
+    snprintf(text, size, "%.*s (%s)", (int)strcspn(argument, "="), argument, hint);
+}
+
+/* The option that an argument names: -x has one letter, --name has more. NULL: there is none. */
+static const iso_option *option_of(const iso_program *program, const char *argument) {
+    const size_t dashes = argument[1] == '-' ? 2 : 1, length = strcspn(argument + dashes, "=");
+    return (length == 1) == (dashes == 1) ? iso_options_find(program, argument + dashes, length) : NULL;
+}
+
+/* Whether the argument behind an option whose value is optional can only be meant as its value. */
+static bool is_value_of(const iso_option *option, const char *next) {
+    return next && *next != '-' && option->extension && iso_text_has_extension(next, option->extension);
+}
+
+/* Finds the value of an option, which follows '=' or is the next argument; in this case *index is
+ * advanced. */
+static iso_status find_value(const iso_option *option, int argc, char *const *argv, int *index,
+                             const char **value, iso_error *error) {
+    const char *argument = argv[*index], *equals = strchr(argument, '=');
+    bool none = option->value == NULL;
+    *value = equals ? equals + 1 : NULL;
+    if (equals && none) return iso_fail(error, ISO_ERR_USAGE, "option --%s takes no value", option->name);
+    const char *next = *index + 1 < argc ? argv[*index + 1] : NULL;
+    const bool optional = option->flags & ISO_OPTION_VALUE_OPTIONAL;
+    if (equals || none || (optional && !is_value_of(option, next))) return ISO_OK;
+    if (!next || strncmp(next, "--", 2) == 0)
+        return iso_fail(error, ISO_ERR_USAGE, "option --%s needs a value: %s", option->name, option->value);
+    *value = next;
+    ++*index;
+    return ISO_OK;
+}
+
+/* Fails with all unknown options from argv[first], which is one, on: a list of them, not one a try. Of the
+ * arguments that follow an unknown option the first may be its value. */
+static iso_status fail_unknown(const iso_program *program, int argc, char *const *argv, int first,
+                               iso_error *error) {
+    char all[sizeof error->text] = "";
+    size_t used = 0;
+    int count = 0;
+    for (int i = first; i < argc && strcmp(argv[i], "--") != 0; i++) {
+        const bool long_name = strncmp(argv[i], "--", 2) == 0; /* -1 may be a number */
+        if (i > first && !long_name) continue;
+        const iso_option *option = option_of(program, argv[i]);
+        const char *value;
+        if (option && find_value(option, argc, argv, &i, &value, NULL) == ISO_OK) continue;
+        if (option) break;
+        char one[384];
+        explain_unknown(program, argv[i], one, sizeof one);
+        if (used + strlen(one) + 64 > sizeof all) break;
+        used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", count++ ? ", " : "", one);
+    }
+    return iso_fail(error, ISO_ERR_USAGE, "unknown option%s %s", count > 1 ? "s" : "", all);
 }
 
 /* ---- values ---- */
@@ -370,38 +423,10 @@ iso_status iso_option_store(const iso_option *option, const char *value, void *s
 
 /* ---- the command line ---- */
 
-/* Whether the argument behind an option whose value is optional can only be meant as its value. */
-static bool is_value_of(const iso_option *option, const char *next) {
-    return next && *next != '-' && option->extension && iso_text_has_extension(next, option->extension);
-}
-
-/* Finds the value of an option, which follows '=' or is the next argument; in this case *index is
- * advanced. */
-static iso_status find_value(const iso_option *option, int argc, char *const *argv, int *index,
-                             const char **value, iso_error *error) {
-    const char *argument = argv[*index], *equals = strchr(argument, '=');
-    bool none = option->value == NULL;
-    *value = equals ? equals + 1 : NULL;
-    if (equals && none) return iso_fail(error, ISO_ERR_USAGE, "option --%s takes no value", option->name);
-    const char *next = *index + 1 < argc ? argv[*index + 1] : NULL;
-    const bool optional = option->flags & ISO_OPTION_VALUE_OPTIONAL;
-    if (equals || none || (optional && !is_value_of(option, next))) return ISO_OK;
-    if (!next || strncmp(next, "--", 2) == 0)
-        return iso_fail(error, ISO_ERR_USAGE, "option --%s needs a value: %s", option->name, option->value);
-    *value = next;
-    ++*index;
-    return ISO_OK;
-}
-
 static iso_status parse_option(const iso_program *program, int argc, char *const *argv, int *index,
                                void *settings, iso_error *error) {
-    const char *argument = argv[*index];
-    size_t dashes = argument[1] == '-' ? 2 : 1;
-    size_t length = strcspn(argument + dashes, "=");
-    /* -x has one letter, --name has more */
-    const iso_option *option =
-        (length == 1) == (dashes == 1) ? iso_options_find(program, argument + dashes, length) : NULL;
-    if (!option) return fail_unknown(program, argument, error);
+    const iso_option *option = option_of(program, argv[*index]);
+    if (!option) return fail_unknown(program, argc, argv, *index, error);
     const char *value = NULL;
     ISO_TRY(find_value(option, argc, argv, index, &value, error));
     iso_error detail = {0};

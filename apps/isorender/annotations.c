@@ -174,9 +174,10 @@ static bool same_color(iso_rgb a, iso_rgb b) {
 
 /* What several panels show is there once. */
 static void add_entry(legend *l, const char *name, iso_rgb color) {
-    if (l->count == LEGEND) return;
     for (int i = 0; i < l->count; i++)
         if (strncmp(l->names[i], name, NAME - 1) == 0 && same_color(l->entries[i].color, color)) return;
+    if (l->count == LEGEND) l->more++;
+    if (l->count == LEGEND) return;
     snprintf(l->names[l->count], NAME, "%s", name);
     l->entries[l->count] = (iso_legend_entry){l->names[l->count], color};
     l->count++;
@@ -232,7 +233,9 @@ static iso_status rename_entries(const char *list, legend *l, iso_error *error) 
 static void add_to_legend(const isorender_job *job, legend *l) {
     iso_legend_entry labels[LEGEND];
     for (int i = 0; i < job->surface_count; i++) add_surface(job, &job->surfaces[i], l);
-    const int count = isorender_legend(job, LEGEND, labels);
+    int all;
+    const int count = isorender_legend(job, LEGEND, labels, &all);
+    if (all - count > l->more) l->more = all - count;
     for (int i = 0; i < count; i++) add_entry(l, labels[i].name, labels[i].color);
     for (int i = 0; i < job->object_count; i++) {
         const isorender_object *object = &job->objects[i];
@@ -258,6 +261,23 @@ static void tell_outside(const isorender_job *job, const iso_camera *camera) {
     }
 }
 
+/* Says what covers more than a little of the picture wherever it stands. */
+static void tell_covered(const isorender_job *job, const iso_annotation_places *places) {
+    static const char *const names[] = {"orientation marker", "legend", "colour bar", "scale bar"};
+    static const double LITTLE = 0.02;
+    for (int i = 0; i < ISO_ANNOTATION_KINDS; i++)
+        if (places->covered[i] > LITTLE)
+            isorender_log(job,
+                          "note: the %s covers a part of what is shown: a larger --margin makes room for it",
+                          names[i]);
+    if (places->legend_more)
+        isorender_log(
+            job,
+            "note: the legend has no room for %d entries: --label chooses labels, a smaller --font-size "
+            "or a larger --resolution makes room",
+            places->legend_more);
+}
+
 /* Makes the picture of the inset: its part of an enlarged frame. */
 static iso_status make_inset(isorender_job *job, int frame, isorender_enlarged *enlarge, iso_inset *inset,
                              iso_error *error) {
@@ -281,13 +301,14 @@ static iso_status draw_beside(const isorender_settings *settings, iso_annotation
     const iso_annotation plain = {.camera = a->camera, .font_size = a->font_size, .dark = a->dark};
     iso_annotation list = plain, bars = plain;
     list.legend = a->legend, list.legend_count = a->legend_count;
+    list.legend_more = a->legend_more;
     bars.color_bars = a->color_bars, bars.color_bar_count = a->color_bar_count;
-    a->legend_count = a->color_bar_count = 0;
+    a->legend_count = a->legend_more = a->color_bar_count = 0;
     ISO_TRY(iso_annotation_draw(&panel->legend, &list, width, height, error));
     return iso_annotation_draw(&panel->bars, &bars, width, height, error);
 }
 
-iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *camera,
+iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *camera, const iso_image *image,
                               isorender_enlarged *enlarge, iso_drawing *drawing, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const bool last = !settings->panel || settings->panel->is_last;
@@ -319,13 +340,19 @@ iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *c
                                  .color_bar_count = bar_count,
                                  .legend = l->entries,
                                  .legend_count = last ? l->count : 0,
+                                 .legend_more = last ? l->more : 0,
                                  .notes = settings->notes,
                                  .note_count = settings->note_count,
                                  .inset = settings->has_inset ? &inset : NULL,
-                                 .dark = iso_is_dark(settings->background, settings->transparent != 0)};
+                                 .dark = iso_is_dark(settings->background, settings->transparent != 0),
+                                 .under = settings->panel ? NULL : image, /* panels are alike */
+                                 .background = settings->background,
+                                 .places = settings->panel ? NULL : &settings->film->places};
+    const bool chooses = annotation.under && !annotation.places->chosen;
     if (status == ISO_OK && settings->panel && last) status = draw_beside(settings, &annotation, error);
     if (status == ISO_OK)
         status = iso_annotation_draw(drawing, &annotation, settings->width, settings->height, error);
+    if (status == ISO_OK && chooses) tell_covered(job, annotation.places);
     free(own);
     iso_image_free(&enlarged);
     return status;

@@ -28,7 +28,7 @@ double isorender_font_pixels(const isorender_settings *settings);
 typedef struct isorender_legend_list {
     iso_legend_entry entries[256];
     char names[256][96]; /* of the entries */
-    int count;
+    int count, more;     /* entries; how many there was no room for */
 } isorender_legend_list;
 
 /* What colours stand for which numbers: bars of all that is coloured by numbers, of points, objects and
@@ -41,9 +41,11 @@ int isorender_color_bars(const struct isorender_job *job, iso_color_bar bars[ISO
 typedef iso_status isorender_enlarged(struct isorender_job *job, int frame, int factor, const int rows[2],
                                       iso_image *image, iso_error *error);
 
-/* Adds what is drawn over a frame. enlarge: draws what an inset shows. ISO_ERR_USAGE: --legend names another
+/* Adds what is drawn over a frame, `image`, of which it covers little. enlarge: draws what an inset shows.
+ * ISO_ERR_USAGE: --legend names another
  * number of things than there are; ISO_ERR_NOMEM. */
 iso_status isorender_annotate(struct isorender_job *job, int frame, const iso_camera *camera,
-                              isorender_enlarged *enlarge, iso_drawing *drawing, iso_error *error);
+                              const iso_image *image, isorender_enlarged *enlarge, iso_drawing *drawing,
+                              iso_error *error);
 
 #endif

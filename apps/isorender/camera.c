@@ -1,6 +1,7 @@
 /* The camera: presets, framing and turntables. */
 #include <math.h>
 
+#include "apps/isorender/cuts.h"
 #include "apps/isorender/flat.h"
 #include "apps/isorender/labels.h"
 #include "apps/isorender/resolution_level.h"
@@ -31,7 +32,18 @@ iso_box isorender_bounds_of_all(isorender_job *job, const iso_vec3 vectors[3]) {
 
 /* iso_fit.bounds */
 static iso_box bounds_along(void *context, const iso_vec3 vectors[3]) {
-    return isorender_bounds_of_all(context, vectors);
+    iso_box box = isorender_bounds_of_all(context, vectors);
+    const iso_box slices = isorender_slice_bounds(context, vectors);
+    iso_bounds_add(&box, &slices);
+    return box;
+}
+
+iso_box isorender_bounds_shown(const isorender_job *job) {
+    static const iso_vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    iso_box box = job->bounds_world;
+    const iso_box slices = isorender_slice_bounds(job, axes);
+    iso_bounds_add(&box, &slices);
+    return box;
 }
 
 /* The box that a picture of points frames: around their middles, but around all of the discs of a few points,
@@ -50,7 +62,7 @@ static iso_box frame_of_cloud(const isorender_job *job) {
 /* The box that the camera frames. */
 static iso_box framed_box(const isorender_job *job) {
     if (job->settings->film->has_bounds) return job->settings->film->bounds;
-    if (!job->loader.has_points) return job->bounds_world;
+    if (!job->loader.has_points) return isorender_bounds_shown(job);
     iso_box box = frame_of_cloud(job);
     if (isorender_has_instances(job, 0)) {
         const iso_box own = box, index = iso_point_view_bounds(&job->read_points);
@@ -92,6 +104,14 @@ static void log_outside(const isorender_job *job) {
         isorender_log(
             job, "note: %zu of %zu points lie far from the others, and are not framed (--fit tight does)",
             job->outside_frame, job->cloud.count);
+}
+
+static void note_patient(const isorender_job *job) {
+    const bool named = job->settings->direction > (int)ISO_ISOMETRIC &&
+                       job->settings->direction != ISORENDER_DIRECTION_UNCHOSEN;
+    if (named && !(job->has_volume && job->loader.volume.info.anatomical))
+        isorender_log(job, "note: the file does not say where a patient's front and head are: its axes are "
+                           "taken as LPS");
 }
 
 static iso_vec3 middle_of(const iso_box *box) {
@@ -141,13 +161,19 @@ static iso_direction facing_direction(iso_vec3 normal, iso_vec3 world_up) {
                                                                                     : ISO_LEFT;
 }
 
+/* The direction of a value of --camera: of iso_direction, or of the four names for patients behind them. */
+static iso_direction named_direction(int value) {
+    static const iso_direction of_patients[] = {ISO_FRONT, ISO_BACK, ISO_TOP, ISO_BOTTOM};
+    return value > (int)ISO_ISOMETRIC ? of_patients[value - 1 - (int)ISO_ISOMETRIC] : (iso_direction)value;
+}
+
 /* The direction that --camera names. Without it flat things are not looked at from their edge: they lie, as
  * landscapes of points do already if their height is at most 0.3 of their sides, or stand, along an axis or
  * obliquely. Nor are straight lines looked at from their end, but from iso: their discs may face any way. */
 static iso_direction direction_of(const isorender_job *job) {
     static const double LANDSCAPE = 0.3, EDGE_ON = 0.02;
     const isorender_settings *settings = job->settings;
-    if (settings->direction != ISORENDER_DIRECTION_UNCHOSEN) return (iso_direction)settings->direction;
+    if (settings->direction != ISORENDER_DIRECTION_UNCHOSEN) return named_direction(settings->direction);
     if (settings->azimuth != 0 || settings->elevation != 0 || job->has_volume) return ISO_FRONT;
     iso_vec3 forward, up, across;
     iso_direction_vectors(ISO_FRONT, settings->up, &forward, &up);
@@ -224,6 +250,7 @@ iso_status isorender_camera_make(isorender_job *job, iso_error *error) {
         return iso_camera_check(&job->camera, error);
     }
     const isorender_fit fitting = fit_of(job);
+    note_patient(job);
     if (!is_given(settings->position) && fitting == ISORENDER_FIT_BOX) log_outside(job);
     const iso_camera camera = make_camera(job, fitting);
     ISO_TRY(iso_camera_check(&camera, error));

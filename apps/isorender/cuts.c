@@ -108,6 +108,70 @@ static iso_vec3 row(const double *m) {
     return iso_vec3_make(m[0], m[1], m[2]);
 }
 
+static iso_vec3 middle_of(const iso_vec3 *a, const iso_vec3 *b) {
+    return iso_vec3_scale(iso_vec3_add(*a, *b), 0.5);
+}
+
+/* A corner of the volume: of its first or last voxels along each axis, by the bits of `which`. */
+static iso_vec3 volume_corner(const isorender_job *job, int which) {
+    const iso_volume_info *info = &job->loader.volume.info;
+    const iso_affine affine = iso_transform_affine(&info->transform);
+    return iso_affine_point(&affine, iso_vec3_make((which & 1) * (info->dims[0] - 1),
+                                                   (which >> 1 & 1) * (info->dims[1] - 1),
+                                                   (which >> 2 & 1) * (info->dims[2] - 1)));
+}
+
+iso_cut isorender_cut_placed(const isorender_job *job, const iso_cut *cut) {
+    iso_cut placed = *cut;
+    const iso_vec3 first = job->has_volume ? volume_corner(job, 0) : job->bounds_world.lo,
+                   last = job->has_volume ? volume_corner(job, 7) : job->bounds_world.hi;
+    iso_cut_set_middle(&placed, middle_of(&first, &last));
+    return placed;
+}
+
+/* Adds where a plane meets the edges of the volume. */
+static void add_slice(const isorender_job *job, const double plane[4], const iso_vec3 vectors[3],
+                      iso_box *box) {
+    for (int corner = 0; corner < 8; corner++)
+        for (int axis = 0; axis < 3; axis++) {
+            if (corner >> axis & 1) continue;
+            const iso_vec3 a = volume_corner(job, corner), b = volume_corner(job, corner | 1 << axis);
+            const double of_a = iso_vec3_dot(row(plane), a) - plane[3],
+                         of_b = iso_vec3_dot(row(plane), b) - plane[3];
+            if (of_a * of_b > 0 || of_a == of_b) continue;
+            const iso_vec3 at = iso_vec3_add(a, iso_vec3_scale(iso_vec3_sub(b, a), of_a / (of_a - of_b)));
+            const iso_vec3 along = iso_vec3_make(iso_vec3_dot(vectors[0], at), iso_vec3_dot(vectors[1], at),
+                                                 iso_vec3_dot(vectors[2], at));
+            iso_bounds_add(box, &(iso_box){along, along});
+        }
+}
+
+iso_box isorender_slice_bounds(const isorender_job *job, const iso_vec3 vectors[3]) {
+    iso_box box = iso_box_empty();
+    for (int i = 0; job->has_volume && i < job->settings->slice_count; i++) {
+        const iso_cut cut = isorender_cut_placed(job, &job->settings->slices[i]);
+        if (!cut.by_depth) add_slice(job, cut.body.face[0], vectors, &box);
+    }
+    return box;
+}
+
+void isorender_cuts_note(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    bool open = false;
+    for (int i = 0; i < settings->cut_count + settings->slice_count; i++) {
+        const bool slice = i >= settings->cut_count;
+        const iso_cut *cut = slice ? &settings->slices[i - settings->cut_count] : &settings->cuts[i];
+        open |= !cut->by_depth && !cut->by_middle && !cut->space_stated &&
+                (cut->body.faces != 1 || cut->body.face[0][0] != 0 || cut->body.face[0][1] != 0);
+    }
+    if (open && job->has_volume && strcmp(job->loader.volume.info.format, "nifti") == 0)
+        isorender_log(
+            job,
+            "note: %s takes LPS, in which x and y have the opposite signs of the file's RAS (%s ras:.. "
+            "takes these, lps:.. states the others)",
+            settings->cut_count ? "--clip" : "--slice", settings->cut_count ? "--clip" : "--slice");
+}
+
 /* How near the scene comes to a camera: the least dot product of its points with the direction of view. */
 static double front_of(isorender_job *job, const iso_camera *camera) {
     const iso_view view = iso_view_make(camera, job->settings->width, job->settings->height);
@@ -137,7 +201,8 @@ static iso_status make_slices(isorender_job *job, const iso_camera *camera, doub
             error, ISO_ERR_USAGE,
             "--cap and --slice show a volume in memory: this one is drawn in chunks (--max-memory)");
     for (int i = 0; i < settings->slice_count; i++) {
-        const iso_clip_body body = iso_cut_solve(&settings->slices[i], camera, front);
+        const iso_cut cut = isorender_cut_placed(job, &settings->slices[i]);
+        const iso_clip_body body = iso_cut_solve(&cut, camera, front);
         memcpy(job->slices[i].plane, body.face[0], sizeof job->slices[i].plane);
     }
     return choose_window(job, error);
@@ -170,8 +235,11 @@ iso_status isorender_cuts_make(isorender_job *job, int frame, iso_error *error) 
     if (!job->clips) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     const iso_camera camera = isorender_camera_of_frame(job, frame);
     const double front = front_of(job, &camera);
+    iso_cut cuts[ISO_CLIP_BODIES];
+    for (int i = 0; i < job->settings->cut_count; i++)
+        cuts[i] = isorender_cut_placed(job, &job->settings->cuts[i]);
     for (int i = 0; i < (int)things; i++)
-        job->clips[i] = iso_cuts_clip(job->settings->cuts, job->settings->cut_count, i, &camera, front);
+        job->clips[i] = iso_cuts_clip(cuts, job->settings->cut_count, i, &camera, front);
     for (int i = 0; i < job->surface_count; i++) job->surfaces[i].scene.clip = &job->clips[i];
     for (int i = 0; i < job->object_count; i++)
         job->objects[i].scene.clip = &job->clips[job->surface_count + i];
@@ -210,9 +278,9 @@ iso_status isorender_cuts_fail_empty(isorender_job *job, iso_error *error) {
     const iso_camera camera = isorender_camera_of_frame(job, job->frame);
     const double front = front_of(job, &camera);
     for (int i = 0; i < settings->cut_count; i++) {
-        const iso_cut *cut = &settings->cuts[i];
-        const iso_clip_body body = iso_cut_solve(cut, &camera, front);
-        if (cut->plane || cut->by_depth) ISO_TRY(fail_plane(job, i, &body, error));
+        const iso_cut cut = isorender_cut_placed(job, &settings->cuts[i]);
+        const iso_clip_body body = iso_cut_solve(&cut, &camera, front);
+        if (cut.plane || cut.by_depth) ISO_TRY(fail_plane(job, i, &body, error));
     }
     const iso_box *all = &job->bounds_world;
     return iso_fail(

@@ -25,6 +25,15 @@ bool isorender_slice_bar(const struct isorender_job *job, iso_color_bar *bar);
 /* What they are. Borrows `solids`, which is filled. */
 iso_cut_caps isorender_caps(const struct isorender_job *job, iso_capped solids[ISORENDER_SURFACES]);
 
+/* A cut or slice, with its plane in the middle of the volume, or of everything if there is none, if it is
+ * to be
+ * there. */
+iso_cut isorender_cut_placed(const struct isorender_job *job, const iso_cut *cut);
+/* The box of slices that do not depend on the camera, in coordinates along three vectors. */
+iso_box isorender_slice_bounds(const struct isorender_job *job, const iso_vec3 vectors[3]);
+/* Says in which coordinates cuts are, of a file whose own are others. */
+void isorender_cuts_note(const struct isorender_job *job);
+
 /* Sets what is cut away of each surface in a frame, and where slices are. ISO_ERR_USAGE: --clip names a
  * thing that there is not; ISO_ERR_NOMEM. */
 iso_status isorender_cuts_make(struct isorender_job *job, int frame, iso_error *error);

@@ -228,6 +228,9 @@ void isorender_detail_report(iso_json *json, const isorender_frame *frame);
 /* The box of all surfaces and objects, as isorender_bounds gives that of the surfaces. */
 iso_box isorender_bounds_of_all(isorender_job *job, const iso_vec3 vectors[3]);
 
+/* The world box of all that a picture frames: surfaces, objects and slices. */
+iso_box isorender_bounds_shown(const isorender_job *job);
+
 /* Makes job->camera, that of the first frame. ISO_ERR_USAGE: as iso_camera_check. */
 iso_status isorender_camera_make(isorender_job *job, iso_error *error);
 iso_camera isorender_camera_of_frame(const isorender_job *job, int frame);

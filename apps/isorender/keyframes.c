@@ -394,7 +394,8 @@ static void mix_cuts(const iso_cut *b, int b_count, double part, iso_cut *a, int
     bool alike = a_count == b_count;
     for (int i = 0; alike && i < a_count; i++)
         alike = a[i].by_depth == b[i].by_depth && a[i].plane == b[i].plane &&
-                a[i].body.faces == b[i].body.faces && a[i].body.keeps == b[i].body.keeps;
+                a[i].by_middle == b[i].by_middle && a[i].body.faces == b[i].body.faces &&
+                a[i].body.keeps == b[i].body.keeps;
     for (int i = 0; alike && i < a_count; i++) {
         a[i].depth = mix(a[i].depth, b[i].depth, part);
         mix_body(&b[i].body, part, &a[i].body);

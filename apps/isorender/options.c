@@ -44,7 +44,9 @@ static const char *const reconstructions[] = {"curved", "box",  "gaussian", "fla
 static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
 static const char *const selections[] = {"auto", "visible", "all", NULL};
 static const char *const group_radii[] = {"coverage", "root", "copies", NULL};
-static const char *const directions[] = {"front", "back", "left", "right", "top", "bottom", "iso", NULL};
+/* iso_direction, then its names for patients: camera.c. */
+static const char *const directions[] = {"front", "back",     "left",      "right",    "top",      "bottom",
+                                         "iso",   "anterior", "posterior", "superior", "inferior", NULL};
 static const char *const lightings[] = {"phong", "edl", NULL};
 static const char *const scalings[] = {"exact", "attenuated", NULL};
 static const char *const units[] = {"auto", "none", "nm", "um",       "mm",
@@ -402,11 +404,10 @@ static const iso_option options[] = {
      .group = SURFACE, REAL(drain, 1e-3, 1e6)},
 
     {"clip", NULL, "WHERE",
-     "cut away x<MM or x>MM (so y, z), X,Y,Z:NX,NY,NZ (where the normal points to), camera:MM (this far into "
-     "the "
-     "view), box:X0,Y0,Z0,X1,Y1,Z1 or sphere:X,Y,Z,R; keep: before it cuts the rest, @N,.. behind it only "
-     "certain "
-     "surfaces; several cut one after the other",
+     "cut away x<MM or x>MM (so y, z), x (below the middle; also sagittal, coronal, axial), X,Y,Z:NX,NY,NZ "
+     "(where the normal points to), camera:MM (this far into the view), box:X0,Y0,Z0,X1,Y1,Z1 or "
+     "sphere:X,Y,Z,R, in mm, LPS; ras: before it takes RAS, as NIfTI files state, keep: cuts the rest, @N,.. "
+     "behind it only certain surfaces; several cut one after the other",
      .group = SURFACE, CALL(isorender_apply_clip), .flags = ISO_OPTION_REPEATABLE},
     {"cap", NULL, "NAME",
      "close what --clip cuts: slice (it shows the volume; slice:COLORMAP in other colours than gray), "
@@ -414,9 +415,10 @@ static const iso_option options[] = {
      "surface's colour), a colour, or none",
      .group = SURFACE, .standard = "none", CALL(isorender_apply_cap)},
     {"slice", NULL, "PLANE",
-     "show a slice of the volume, with the outlines of its surfaces: at x=MM (so y, z), X,Y,Z:NX,NY,NZ or "
-     "camera:MM; "
-     "alone with --opacity 0",
+     "show a slice of the volume, with the outlines of its surfaces: at x=MM (so y, z), x (in the middle; "
+     "also "
+     "sagittal, coronal, axial), X,Y,Z:NX,NY,NZ or camera:MM, in mm, LPS or behind ras: RAS; alone with "
+     "--opacity 0",
      .group = SURFACE, CALL(isorender_apply_slice), .flags = ISO_OPTION_REPEATABLE},
     {"surface-color-by", NULL, "WHAT",
      "colour isosurfaces, and meshes, by a volume (FILE or FILE:ARRAY; gray where it has no values), a "
@@ -529,8 +531,8 @@ static const iso_option options[] = {
     {"strips", NULL, NULL,
      "draw the mesh as triangle strips; --json tells how many indices they save (needs OpenGL)",
      .group = PAPERS, FLAG(strips)},
-    {"resolution", NULL, "WxH", "size of the picture in pixels", .group = PICTURE, .standard = "1024x1024",
-     CALL(apply_resolution)},
+    {"resolution", NULL, "WxH", "size of the picture in pixels; one number is a square", .group = PICTURE,
+     .standard = "1024x1024", CALL(apply_resolution)},
     {"dpi", NULL, "N",
      "pixels an inch that the picture's file states, for printing; the picture is the same but for "
      "--font-size",
@@ -555,49 +557,7 @@ static const iso_option options[] = {
     {"frame-rate", NULL, "N", "pictures a second of a video ({videos}), which ffmpeg encodes",
      .group = PICTURE, .standard = "25", REAL(frame_rate, 0.01, 1000)},
 
-    {"camera", "camera-preset", "NAME", "side to look from: front, back, left, right, top, bottom, iso",
-     .group = CAMERA,
-     .standard = "front; iso for files of points that are flat, as landscapes; left or iso, whichever shows "
-                 "more, for what is flat and edge-on from the front",
-     CHOICE(direction, directions),
-     .hint = "--azimuth and --elevation turn the camera, --camera-position places it"},
-    {"up", NULL, "AXIS", "world axis that is up: +x -x +y -y +z -z", .group = CAMERA, .standard = "+z",
-     CALL(apply_up)},
-    {"azimuth", "camera-azimuth-angle camera-azimuth", "DEGREES", "then turn the camera to the right",
-     .group = CAMERA, REAL(azimuth, -1e6, 1e6)},
-    {"elevation", "camera-elevation-angle camera-elevation", "DEGREES", "and upwards", .group = CAMERA,
-     REAL(elevation, -1e6, 1e6)},
-    {"zoom", "camera-zoom-factor", "FACTOR", "enlarge", .group = CAMERA, .standard = "1",
-     REAL(zoom, 1e-6, 1e6), .flags = ISO_OPTION_PERCENT},
-    {"orthographic", "camera-orthographic", NULL, "parallel projection", .group = CAMERA, FLAG(orthographic)},
-    {"mm-per-pixel", NULL, "MM",
-     "scale of the picture: a parallel projection (as --orthographic) in which a pixel is this many mm wide "
-     "(of a file in another unit, such as metres, this many of it)",
-     .group = CAMERA, REAL(mm_per_pixel, 1e-9, 1e9)},
-    {"fit", NULL, "NAME",
-     "what fills the picture: box (the box around the surface along the world's axes; of a file of points "
-     "without the few that lie far from the others) or tight (the surface as it is seen); with "
-     "--mm-per-pixel, which sets the scale, what is in the middle of the picture",
-     .group = CAMERA,
-     .standard = "tight; box with --camera-focal-point, --same-view, --part, --chunk-size or "
-                 "mpirun, in a sheet, of volumes larger than memory, of Gaussians and of points some of "
-                 "which lie far from the others",
-     CHOICE(fit, fits)},
-    {"same-view", NULL, NULL,
-     "all inputs get the isovalue and the camera of the first one that is drawn, so that their pictures can "
-     "be compared",
-     .group = CAMERA, FLAG(same_view)},
-    {"margin", NULL, "PART", "part of the picture left free on each side, as 0.1 or 10%", .group = CAMERA,
-     .standard = "4%", CALL(apply_margin)},
-    {"view-angle", "camera-view-angle", "DEGREES", "full vertical angle of the perspective", .group = CAMERA,
-     .standard = "30", REAL(view_angle, 0.01, 179)},
-    {"camera-position", NULL, "X,Y,Z", "where the eye is, in mm; nothing is fitted then", .group = CAMERA,
-     REALS(position, 3)},
-    {"camera-focal-point", NULL, "X,Y,Z", "what it looks at, in mm", .group = CAMERA,
-     .standard = "centre of the surface", REALS(focal_point, 3)},
-    {"camera-view-up", "view-up", "X,Y,Z", "which direction is up in the picture", .group = CAMERA,
-     REALS(view_up, 3)},
-
+#include "apps/isorender/camera_options.inc"
     {"output", "o", "NAME",
      "the picture: a .png, .tif, .jpg, .svg or .pdf (the last two with text as text), - for a .png on "
      "stdout; with several pictures also a video: {videos}; {model} is the input's name, {n:3} a number "

@@ -1,6 +1,8 @@
 /* The picture as a page. */
 #include "apps/isorender/page.h"
 
+#include "apps/isorender/cuts.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -117,7 +119,8 @@ static iso_page_clip clip_of(isorender_job *job) {
     const isorender_settings *settings = job->settings;
     iso_page_clip made = {.cap = settings->cap.kind == ISO_CAP_SURFACE};
     /* a body is what lies behind its face; the page has the side that is cut away */
-    const double *face = settings->cuts[0].body.face[0];
+    const iso_cut cut = isorender_cut_placed(job, &settings->cuts[0]);
+    const double *face = cut.body.face[0];
     for (int i = 0; settings->cut_count && i < 4; i++) made.plane[i] = -face[i];
     return made;
 }

@@ -401,11 +401,11 @@ static void place_cell(const sheet *p, cell *c, int number, iso_image *image, is
 
 /* Moves what stands beside the panels to where they end, and *right behind it. */
 static void place_beside(const sheet *p, iso_drawing *beside, int *right, iso_drawing *over) {
-    double low, high;
-    iso_drawing_width(beside, &low, &high);
-    if (!(low <= high)) return;
-    iso_drawing_append(over, beside, *right - floor(low), p->grid.band);
-    *right += (int)ceil(high - low + 1.5 * p->grid.margin);
+    double box[4];
+    iso_drawing_box(beside, box);
+    if (!(box[0] <= box[2])) return;
+    iso_drawing_append(over, beside, *right - floor(box[0]), p->grid.band);
+    *right += (int)ceil(box[2] - box[0] + 1.5 * p->grid.margin);
 }
 
 /* The sheet's scene and the texts of its file are those of the whole command. */

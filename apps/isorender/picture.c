@@ -295,7 +295,7 @@ static bool keeps_marks(const isorender_job *job) {
 static iso_status annotate(isorender_job *job, int frame, canvas *c, iso_error *error) {
     const iso_camera camera = isorender_camera_of_frame(job, frame);
     iso_drawing_free(&c->over);
-    ISO_TRY(isorender_annotate(job, frame, &camera, draw_enlarged, &c->over, error));
+    ISO_TRY(isorender_annotate(job, frame, &camera, &c->image, draw_enlarged, &c->over, error));
     if (keeps_marks(job)) return ISO_OK;
     ISO_TRY(iso_drawing_paint(&c->over, &c->image, error));
     iso_drawing_free(&c->over);
@@ -525,6 +525,7 @@ static iso_status survey(isorender_job *job, iso_error *error) {
 iso_status isorender_render(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     note_occlusion(job);
+    isorender_cuts_note(job);
     ISO_TRY(isorender_keyframes_measure(job, error));
     ISO_TRY(isorender_camera_make(job, error));
     ISO_TRY(isorender_colorings_see(job, error));

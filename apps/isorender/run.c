@@ -37,9 +37,23 @@ static iso_status print_info(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
+/* Says of --decimate and --smooth-mesh what may be taken for something else. */
+static void note_edits(const isorender_job *job) {
+    const iso_mesh_edits *edits = &job->settings->mesh_edits;
+    const double mm = edits->deviation;
+    if (mm > 0 && mm < 1)
+        isorender_log(job, "note: --decimate %g is a distance, %g mm; %g%% is a share of the triangles", mm,
+                      mm, 100 * mm);
+    if (job->plan->image && job->method == ISO_METHOD_MESH && (edits->smooth || mm > 0 || edits->keep > 0))
+        isorender_log(job,
+                      "note: the picture shows the mesh before %s; the file is drawn by itself: isorender %s",
+                      edits->smooth ? "--smooth-mesh" : "--decimate", job->plan->mesh);
+}
+
 /* One line for each export. Open edges of a mesh are said: it cannot be printed. */
 static void log_exports(const isorender_job *job) {
     const iso_mesh_measures *mesh = &job->surfaces[0].measures;
+    if (job->plan->mesh) note_edits(job);
     if (job->plan->table)
         isorender_log(job, "wrote %s: %d labels", job->plan->table, job->segmentation->labels.count - 1);
     if (job->plan->points)

@@ -259,9 +259,36 @@ static void add_surface(isorender_job *job, isorender_segmentation *s, int group
     if (surface->translucency.opacity >= 1) surface->scene.labels = &s->shared;
 }
 
+/* Refuses the many values of a scan, whose neighbours along x mostly differ: to draw them as labels takes
+ * minutes
+ * and shows nothing. Who names labels means them. */
+static iso_status check_plateaus(const isorender_job *job, const isorender_segmentation *s,
+                                 iso_error *error) {
+    enum { FEW = 64 };
+    const iso_labels *labels = &s->labels;
+    const size_t width = (size_t)labels->dims[0],
+                 count = width * (size_t)labels->dims[1] * (size_t)labels->dims[2];
+    size_t pairs = 0, equal = 0;
+    if (labels->count <= FEW || job->settings->label_items.count || job->settings->label_table ||
+        s->stated.count)
+        return ISO_OK;
+    for (size_t i = 1; i < count; i++) {
+        const uint16_t a = labels->number[i - 1], b = labels->number[i];
+        if (i % width == 0 || (!a && !b)) continue;
+        pairs++;
+        equal += a == b;
+    }
+    if (2 * equal >= pairs) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "these are %d values of which neighbours mostly differ, as in a scan, not labels: its "
+                    "surface is drawn without %s (--label all draws each value as a label all the same)",
+                    labels->count - 1, job->settings->smooth ? "--smooth" : "--labels");
+}
+
 static iso_status make_surfaces(isorender_job *job, isorender_segmentation *s, iso_error *error) {
     ISO_TRY(iso_labels_make(&s->loader.volume.grid, job->pool, &s->labels, error));
     iso_grid_destroy(&s->loader.volume.grid);
+    ISO_TRY(check_plateaus(job, s, error));
     ISO_TRY(make_items(job, s, error));
     const int groups = make_groups(s), most = ISORENDER_SURFACES - job->surface_count;
     if (!groups)
@@ -299,12 +326,15 @@ void isorender_segmentation_free(isorender_job *job) {
 
 /* ---- what is told of them */
 
-int isorender_legend(const isorender_job *job, int room, iso_legend_entry *entries) {
+int isorender_legend(const isorender_job *job, int room, iso_legend_entry *entries, int *all) {
     const isorender_segmentation *s = job->segmentation;
-    int count = 0;
-    for (int i = 1; s && i < s->labels.count && count < room; i++)
-        if (s->group[i]) entries[count++] = (iso_legend_entry){s->items[i].name, s->items[i].color};
-    return count;
+    *all = 0;
+    for (int i = 1; s && i < s->labels.count; i++) {
+        if (!s->group[i]) continue;
+        if (*all < room) entries[*all] = (iso_legend_entry){s->items[i].name, s->items[i].color};
+        ++*all;
+    }
+    return *all < room ? *all : room;
 }
 
 void isorender_report_labels(iso_json *json, const isorender_job *job) {

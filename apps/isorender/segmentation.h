@@ -46,8 +46,8 @@ iso_status isorender_segmentation_read(isorender_job *job, iso_error *error);
  * iso_labels_make and iso_label_fields_make. */
 iso_status isorender_segmentation_add(isorender_job *job, iso_error *error);
 
-/* The legend: the labels that are drawn, at most `room`; returns their number. */
-int isorender_legend(const isorender_job *job, int room, iso_legend_entry *entries);
+/* The legend: the labels that are drawn, at most `room`; returns their number. *all: without that limit. */
+int isorender_legend(const isorender_job *job, int room, iso_legend_entry *entries, int *all);
 
 void isorender_report_labels(iso_json *json, const isorender_job *job); /* a member of --json's report */
 void isorender_segmentation_free(isorender_job *job);

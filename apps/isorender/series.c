@@ -111,5 +111,6 @@ void isorender_series_measure(isorender_job *job) {
     isorender_film *film = job->settings->film;
     if (!film->has_bounds) film->bounds = iso_box_empty();
     film->has_bounds = true;
-    iso_bounds_add(&film->bounds, &job->bounds_world);
+    const iso_box shown = isorender_bounds_shown(job);
+    iso_bounds_add(&film->bounds, &shown);
 }

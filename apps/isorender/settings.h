@@ -75,16 +75,16 @@ typedef struct isorender_same_view {
     iso_camera camera;
 } isorender_same_view;
 
-/* The pictures that follow each other of all inputs that go into one film, or of one input. */
+/* The pictures of all inputs that go into one film, or of one input. */
 typedef struct isorender_film {
-    struct iso_video *video; /* that is being written; NULL: none */
-    int first, count;        /* the input's first picture in the film; pictures of the whole film */
-    bool measuring;          /* inputs are looked at only for what they share: */
-    bool has_bounds;
-    iso_box bounds;                        /* what all pictures frame, mm, */
-    double distance, scale;                /* and from how far, with which parallel_scale; 0: each its own */
+    struct iso_video *video;    /* that is being written; NULL: none */
+    int first, count;           /* the input's first picture in the film; pictures of the whole film */
+    bool measuring, has_bounds; /* inputs are looked at only for what they share: */
+    iso_box bounds;             /* what all pictures frame, mm, */
+    double distance, scale;     /* and from how far, with which parallel_scale; 0: each its own */
     double ranges[ISORENDER_COLORINGS][2]; /* of colours, NAN: none yet */
     uint64_t covered;                      /* samples of all pictures that show a surface */
+    iso_annotation_places places;          /* of what is over them */
 } isorender_film;
 
 enum { ISORENDER_NOTES = 64 }; /* texts, arrows and rulers in one picture */

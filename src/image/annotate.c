@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "image/font.h"
+#include "image/placing.h"
 
 static const iso_rgb BLACK = {0, 0, 0}, WHITE = {255, 255, 255};
 
@@ -242,7 +243,38 @@ static void draw_marker(const pen *p, const iso_annotation *a) {
 
 /* ---- colour bars */
 
-enum { BAR_LABELS = 3 };
+/* Round numbers in a range: first .. last times step, which is 1, 2, 2.5 or 5 times a power of ten. */
+typedef struct bar_ticks {
+    double times, over; /* step = times / over, of which one is exact */
+    double first, last;
+    int digits; /* that their texts need */
+} bar_ticks;
+
+/* Sets *t to at most `most` and, but for that, at least 3 ticks in low .. high. False: there are none,
+ * because
+ * the numbers are equal, or nearly. */
+static bool make_ticks(double low, double high, int most, bar_ticks *t) {
+    static const double steps[] = {1, 2, 2.5, 5};
+    const double size = high - low, greatest = fmax(fabs(low), fabs(high));
+    if (!(size > 1e-12 * greatest && greatest < 1e300)) return false;
+    int exponent = 0;
+    double power = 1; /* 10^|exponent| */
+    for (double rest = size / most; rest >= 10; rest /= 10) exponent++, power *= 10;
+    for (double rest = size / most; rest < 1 && power < 1e300; rest *= 10) exponent--, power *= 10;
+    for (int i = 0; i < 8; i++) {
+        const double step = steps[i % 4] * (i / 4 ? 10 : 1);
+        t->times = exponent < 0 ? step : step * power;
+        t->over = exponent < 0 ? power : 1;
+        t->first = ceil(low * t->over / t->times - 1e-9);
+        t->last = floor(high * t->over / t->times + 1e-9);
+        if (t->last - t->first >= most) continue;
+        t->digits = 2 - exponent;
+        for (double rest = greatest; rest >= 10; rest /= 10) t->digits++;
+        t->digits = t->digits < 6 ? 6 : t->digits > 15 ? 15 : t->digits;
+        return true;
+    }
+    return false;
+}
 
 /* Fills a rectangle with the colours of a map, the highest at the top. */
 static void fill_bar(const pen *p, const iso_color_bar *bar, double left, double right, double top,
@@ -264,23 +296,29 @@ static void fill_bar(const pen *p, const iso_color_bar *bar, double left, double
     iso_drawing_picture(p->drawing, &colors, floor(left), floor(top), floor(right), floor(bottom));
 }
 
-/* Adds the numbers at both ends and in the middle of a bar, right-aligned at `right`. Returns the width of
- * the widest. */
+/* Adds a number and its tick, right-aligned at `right`. Returns the number's width. */
+static double add_label(const pen *p, double number, int digits, double right, double y) {
+    char label[40];
+    add_line(p, outlined_lines(p), right + 0.3 * p->text, y, right + 0.6 * p->text, y);
+    snprintf(label, sizeof label, "%s%.*g", number < 0 ? "\u2212" : "", digits,
+             fabs(number)); /* a minus sign */
+    const double width = text_width(p, label);
+    add_text(p, label, right - width, y);
+    return width;
+}
+
+/* Adds round numbers beside a bar; of a range without any, its middle. Returns the width of the widest. */
 static double add_labels(const pen *p, const iso_color_bar *bar, double right, double top, double bottom) {
+    enum { MOST = 6 };
+    const double low = fmin(bar->low, bar->high), high = fmax(bar->low, bar->high),
+                 room = (bottom - top) / (2 * p->text);
     double widest = 0;
-    iso_mark *ticks = outlined_lines(p);
-    for (int i = 0; i < BAR_LABELS; i++) {
-        const double y = bottom + (top - bottom) * i / (BAR_LABELS - 1);
-        add_line(p, ticks, right + 0.3 * p->text, y, right + 0.6 * p->text, y);
-    }
-    for (int i = 0; i < BAR_LABELS; i++) {
-        const double part = (double)i / (BAR_LABELS - 1), y = bottom + (top - bottom) * part;
-        const double number = bar->low + (bar->high - bar->low) * part;
-        char label[32];
-        snprintf(label, sizeof label, "%s%.4g", number < 0 ? "\u2212" : "", fabs(number)); /* a minus sign */
-        const double width = text_width(p, label);
-        add_text(p, label, right - width, y);
-        widest = fmax(widest, width);
+    bar_ticks t;
+    if (!make_ticks(low, high, room < 2 ? 2 : room > MOST ? MOST : (int)room, &t))
+        return add_label(p, 0.5 * (low + high), 6, right, 0.5 * (top + bottom));
+    for (double i = t.first; i <= t.last; i++) {
+        const double number = i * t.times / t.over, part = (number - bar->low) / (bar->high - bar->low);
+        widest = fmax(widest, add_label(p, number, t.digits, right, bottom + (top - bottom) * part));
     }
     return widest;
 }
@@ -314,16 +352,33 @@ static double draw_entry(const pen *p, const iso_legend_entry *entry, double x, 
     return 1.6 * side + text_width(p, entry->name);
 }
 
-/* Columns that do not fit beside each other are left out. */
-static void draw_legend(const pen *p, const iso_annotation *a) {
-    const double step = 1.7 * p->text, margin = 1.2 * p->text;
-    const int rows = (int)fmax(1, (p->height - 2 * margin) / step);
+/* How many entries columns of so many rows show that fit beside each other: of the first column all. */
+static int entries_that_fit(const pen *p, const iso_annotation *a, int rows, double margin) {
     double left = margin, widest = 0;
     for (int i = 0; i < a->legend_count; i++) {
         if (i && i % rows == 0) left += widest + 1.5 * p->text, widest = 0;
-        if (left > p->width - margin) return;
-        widest = fmax(widest, draw_entry(p, &a->legend[i], left, margin + i % rows * step));
+        widest = fmax(widest, 1.6 * p->text + text_width(p, a->legend[i].name));
+        if (i >= rows && left + widest > p->width - margin) return i / rows * rows;
     }
+    return a->legend_count;
+}
+
+/* Draws the entries that there is room for, and in the place of the last how many more there are. Returns
+ * their number. */
+static int draw_legend(const pen *p, const iso_annotation *a) {
+    const double step = 1.7 * p->text, margin = 1.2 * p->text;
+    const int rows = (int)fmax(1, (p->height - 2 * margin) / step), all = a->legend_count + a->legend_more,
+              fitting = entries_that_fit(p, a, rows, margin), shown = fitting < all ? fitting - 1 : fitting;
+    double left = margin, widest = 0;
+    for (int i = 0; i < fitting; i++) {
+        const double y = margin + i % rows * step;
+        char more[32];
+        if (i && i % rows == 0) left += widest + 1.5 * p->text, widest = 0;
+        if (i < shown) widest = fmax(widest, draw_entry(p, &a->legend[i], left, y));
+        snprintf(more, sizeof more, "+%d more", all - shown);
+        if (i == shown) add_text(p, more, left, y + p->text / 2);
+    }
+    return all - shown;
 }
 
 /* ---- notes: texts, arrows and rulers */
@@ -484,17 +539,62 @@ bool iso_is_dark(iso_rgb background, bool transparent) {
     return !transparent && 299 * c.r + 587 * c.g + 114 * c.b < 128 * 1000;
 }
 
+/* Draws one kind at its usual place. */
+static void draw_kind(const pen *p, const iso_annotation *a, iso_annotation_kind kind,
+                      iso_annotation_places *places) {
+    double right = p->width - 1.2 * p->text;
+    if (kind == ISO_ANNOTATION_MARKER && a->orientation_marker) draw_marker(p, a);
+    if (kind == ISO_ANNOTATION_LEGEND) places->legend_more = draw_legend(p, a);
+    for (int i = 0; kind == ISO_ANNOTATION_COLOR_BARS && i < a->color_bar_count; i++)
+        draw_color_bar(p, &a->color_bars[i], &right);
+    if (kind == ISO_ANNOTATION_SCALE_BAR && a->scale_bar) draw_scale_bar(p, a);
+}
+
+/* Chooses where kinds stand, or looks up where they are to stand, and sets how far they are moved. The
+ * largest
+ * ones choose first. */
+static void place_kinds(const iso_annotation *a, const iso_placing *placing, iso_annotation_places *places) {
+    static const iso_annotation_kind order[] = {ISO_ANNOTATION_COLOR_BARS, ISO_ANNOTATION_LEGEND,
+                                                ISO_ANNOTATION_SCALE_BAR, ISO_ANNOTATION_MARKER};
+    for (int i = 0; i < ISO_ANNOTATION_KINDS; i++) {
+        const int kind = (int)order[i];
+        if (places->chosen || !a->under)
+            iso_placing_move(placing, &placing->over[kind], places->place[kind], placing->moved[kind]);
+        else
+            places->place[kind] = iso_placing_choose(placing, kind, &places->covered[kind]);
+    }
+    places->chosen = true;
+}
+
 iso_status iso_annotation_draw(iso_drawing *drawing, const iso_annotation *annotation, int width, int height,
                                iso_error *error) {
-    const pen p = pen_of(drawing, annotation, width, height);
-    if (annotation->inset) draw_inset(&p, annotation->inset);
-    if (annotation->orientation_marker) draw_marker(&p, annotation);
-    draw_legend(&p, annotation);
-    double right = width - 1.2 * p.text;
-    for (int i = 0; i < annotation->color_bar_count; i++)
-        draw_color_bar(&p, &annotation->color_bars[i], &right);
-    if (annotation->scale_bar) draw_scale_bar(&p, annotation);
-    for (int i = 0; i < annotation->note_count; i++) draw_note(&p, annotation, &annotation->notes[i]);
+    enum { INSET = ISO_ANNOTATION_KINDS, NOTES, ALL };
+    const iso_annotation *a = annotation;
+    iso_drawing over[ALL] = {{.marks = NULL}};
+    iso_annotation_places own = {.chosen = false}, *places = a->places ? a->places : &own;
+    double moved[ISO_ANNOTATION_KINDS][2] = {{0}};
+    pen p = pen_of(&over[NOTES], a, width, height);
+    for (int i = 0; i < a->note_count; i++) draw_note(&p, a, &a->notes[i]);
+    p.drawing = &over[INSET];
+    if (a->inset) draw_inset(&p, a->inset);
+    for (int i = 0; i < ISO_ANNOTATION_KINDS; i++) {
+        p.drawing = &over[i];
+        draw_kind(&p, a, (iso_annotation_kind)i, places);
+    }
+    const iso_placing placing = {.under = a->under,
+                                 .background = a->background,
+                                 .width = width,
+                                 .height = height,
+                                 .margin = 1.2 * p.text,
+                                 .over = over,
+                                 .count = ALL,
+                                 .movable = ISO_ANNOTATION_KINDS,
+                                 .moved = moved};
+    place_kinds(a, &placing, places);
+    iso_drawing_append(drawing, &over[INSET], 0, 0);
+    for (int i = 0; i < ISO_ANNOTATION_KINDS; i++)
+        iso_drawing_append(drawing, &over[i], moved[i][0], moved[i][1]);
+    iso_drawing_append(drawing, &over[NOTES], 0, 0);
     return iso_drawing_check(drawing, error);
 }
 

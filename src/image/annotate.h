@@ -1,6 +1,9 @@
 /* annotate: scale bar, orientation marker, colour bars, legend, notes and insets over a finished picture, as
  * marks of a drawing.
  *
+ * Each of the first four has a usual place. Where that would cover what the picture shows, it stands at
+ * another corner or side, where it covers the least; where all are covered alike it stays.
+ *
  * Lines and letters are outlined in the contrasting colour, so that they are legible on any background. Their
  * size is relative to the picture's unless a size of the font is given. */
 #ifndef ISO_IMAGE_ANNOTATE_H
@@ -60,22 +63,43 @@ enum { ISO_INSET_MOST = 8 }; /* times larger */
  * sides. */
 void iso_inset_place(iso_inset *inset, int width, int height);
 
+/* What can stand at another place, and as what messages know it. */
+typedef enum iso_annotation_kind {
+    ISO_ANNOTATION_MARKER,
+    ISO_ANNOTATION_LEGEND,
+    ISO_ANNOTATION_COLOR_BARS,
+    ISO_ANNOTATION_SCALE_BAR,
+    ISO_ANNOTATION_KINDS
+} iso_annotation_kind;
+
+/* Where annotations stand in pictures that follow each other: chosen for the first, kept for the others. */
+typedef struct iso_annotation_places {
+    bool chosen;
+    int place[ISO_ANNOTATION_KINDS]; /* 0: the usual one */
+    double
+        covered[ISO_ANNOTATION_KINDS]; /* the share of its box in which the first picture shows something */
+    int legend_more;                   /* entries that are not shown; set by each picture */
+} iso_annotation_places;
+
 typedef struct iso_annotation {
-    const iso_camera *camera;        /* of the picture; borrowed */
-    double font_size;                /* pixels; 0: by the picture's size */
-    iso_length_style lengths;        /* of scale bar and rulers */
-    bool scale_bar;                  /* bottom right, with its length; for orthographic cameras only */
-    bool orientation_marker;         /* bottom left: the world's axes as the camera sees them */
-    bool anatomical;                 /* the axes are L R, A P and H F (the world is LPS); else x y z */
-    const iso_color_bar *color_bars; /* at the right, beside each other; borrowed */
+    const iso_camera *camera; /* of the picture; borrowed */
+    double font_size;         /* pixels; 0: by the picture's size */
+    iso_length_style lengths; /* of scale bar and rulers */
+    bool scale_bar;           /* usually bottom right, with its length; for orthographic cameras only */
+    bool orientation_marker;  /* usually bottom left: the world's axes as the camera sees them */
+    bool anatomical;          /* the axes are L R, A P and H F (the world is LPS); else x y z */
+    const iso_color_bar *color_bars; /* usually at the right, beside each other; borrowed */
     int color_bar_count;
     const iso_legend_entry
-        *legend; /* at the top left, in columns that are as high as the picture; borrowed */
-    int legend_count;
-    const iso_note *notes; /* borrowed */
+        *legend; /* usually at the top left, in columns that are as high as the picture; borrowed */
+    int legend_count, legend_more; /* entries, and how many more are left out of the list */
+    const iso_note *notes;         /* borrowed */
     int note_count;
-    iso_inset *inset; /* borrowed; NULL: none */
-    bool dark;        /* the background is dark, so lines are drawn light */
+    iso_inset *inset;       /* borrowed; NULL: none */
+    bool dark;              /* the background is dark, so lines are drawn light */
+    const iso_image *under; /* the picture, with its background where it shows nothing; borrowed; NULL: all */
+    iso_rgb background;     /* stand at their usual places. With alpha, alpha 0 is background, too */
+    iso_annotation_places *places; /* read if they are chosen, else set; borrowed; NULL: chosen anew */
 } iso_annotation;
 
 /* Whether annotations on this background are to be drawn light. */

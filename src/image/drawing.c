@@ -87,15 +87,24 @@ void iso_drawing_append(iso_drawing *drawing, iso_drawing *from, double x, doubl
     iso_drawing_free(from);
 }
 
-void iso_drawing_width(const iso_drawing *drawing, double *low, double *high) {
-    *low = INFINITY, *high = -INFINITY;
+static void widen(double box[4], double x, double y) {
+    box[0] = fmin(box[0], x), box[1] = fmin(box[1], y);
+    box[2] = fmax(box[2], x), box[3] = fmax(box[3], y);
+}
+
+void iso_drawing_box(const iso_drawing *drawing, double box[4]) {
+    box[0] = box[1] = INFINITY, box[2] = box[3] = -INFINITY;
     for (int i = 0; i < drawing->count; i++) {
         const iso_mark *m = &drawing->marks[i];
-        const double text = m->text ? iso_font_width(m->text) * m->size / ISO_FONT_SIZE : 0;
-        for (int k = 0; k < m->point_count; k++)
-            *low = fmin(*low, m->points[k][0]), *high = fmax(*high, m->points[k][0]);
-        if (m->kind == ISO_MARK_TEXT) *low = fmin(*low, m->x), *high = fmax(*high, m->x + text);
-        if (m->kind == ISO_MARK_PICTURE) *low = fmin(*low, m->left), *high = fmax(*high, m->right);
+        const double unit = m->size / ISO_FONT_SIZE;
+        for (int k = 0; k < m->point_count; k++) widen(box, m->points[k][0], m->points[k][1]);
+        if (m->kind == ISO_MARK_TEXT) {
+            widen(box, m->x, m->y - ISO_FONT_CAPITALS * unit);
+            widen(box, m->x + (m->text ? iso_font_width(m->text) * unit : 0), m->y + ISO_FONT_DESCENT * unit);
+        } else if (m->kind == ISO_MARK_PICTURE) {
+            widen(box, m->left, m->top);
+            widen(box, m->right, m->bottom);
+        }
     }
 }
 

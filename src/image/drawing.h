@@ -54,8 +54,9 @@ iso_mark *iso_drawing_picture(iso_drawing *drawing, iso_image *picture, double l
 
 /* Appends the marks of `from`, moved by (x, y); `from` is empty then. */
 void iso_drawing_append(iso_drawing *drawing, iso_drawing *from, double x, double y);
-/* The left and the right end of all marks, without halos. An empty drawing has none: low > high. */
-void iso_drawing_width(const iso_drawing *drawing, double *low, double *high);
+/* The box around all marks, without halos: left, top, right, bottom. An empty drawing has none:
+ * left > right. */
+void iso_drawing_box(const iso_drawing *drawing, double box[4]);
 /* ISO_ERR_NOMEM: a mark could not be added. */
 iso_status iso_drawing_check(const iso_drawing *drawing, iso_error *error);
 void iso_drawing_free(iso_drawing *drawing);

@@ -8,8 +8,8 @@
 #include "base/parse.h"
 
 const char iso_cut_forms[] =
-    "x<MM, X,Y,Z:NX,NY,NZ, camera:MM, box:X0,Y0,Z0,X1,Y1,Z1 or sphere:X,Y,Z,R, with keep: "
-    "before it or @N behind it";
+    "x<MM, x (in the middle), X,Y,Z:NX,NY,NZ, camera:MM, box:X0,Y0,Z0,X1,Y1,Z1 or sphere:X,Y,Z,R, with keep: "
+    "or ras: before it or @N behind it";
 
 /* A position or length that is larger is a mistake, mm. */
 static const double MOST = 1e9;
@@ -22,6 +22,14 @@ static bool are_possible(const double *numbers, int count) {
 
 static bool parse_numbers(const char *text, int count, double *numbers) {
     return iso_parse_reals(text, count, numbers) && are_possible(numbers, count);
+}
+
+/* The axis that a text names; 0: none. */
+static char axis_named(const char *text) {
+    static const char *const names[] = {"sagittal", "coronal", "axial"};
+    for (int axis = 0; axis < 3; axis++)
+        if (strcmp(text, names[axis]) == 0 || (text[0] == 'x' + axis && !text[1])) return (char)('x' + axis);
+    return 0;
 }
 
 /* x<MM or x>MM */
@@ -82,8 +90,8 @@ static iso_status parse_ball(const char *text, iso_cut *cut, iso_error *error) {
     return ISO_OK;
 }
 
-/* A form without keep: and @. */
-static iso_status parse_form(const char *text, iso_cut *cut, iso_error *error) {
+/* A form without keep:, ras: and @. */
+static iso_status parse_plain(const char *text, iso_cut *cut, iso_error *error) {
     bool no_normal = false;
     const char *box = behind(text, "box:"), *ball = behind(text, "sphere:"),
                *camera = behind(text, "camera:");
@@ -93,11 +101,29 @@ static iso_status parse_form(const char *text, iso_cut *cut, iso_error *error) {
         cut->by_depth = true;
         return parse_numbers(camera, 1, &cut->depth) ? ISO_OK : fail_form(text, error);
     }
+    const char middle[4] = {axis_named(text), '<', '0', 0};
     cut->plane = true;
+    cut->by_middle = *middle != 0;
+    if (cut->by_middle) text = middle;
     if (!parse_axis(text, &cut->body) && !parse_plane(text, &cut->body, &no_normal))
         return fail_form(text, error);
     return no_normal ? iso_fail(error, ISO_ERR_USAGE, "the normal of '%s' is 0: it has no direction", text)
                      : ISO_OK;
+}
+
+static void turn_to_lps(iso_clip_body *body) {
+    for (int face = 0; face < body->faces; face++)
+        for (int axis = 0; axis < 2; axis++) body->face[face][axis] *= -1;
+    body->centre = iso_vec3_make(-body->centre.x, -body->centre.y, body->centre.z);
+}
+
+/* A form without keep: and @. */
+static iso_status parse_form(const char *text, iso_cut *cut, iso_error *error) {
+    const char *ras = behind(text, "ras:"), *lps = behind(text, "lps:");
+    ISO_TRY(parse_plain(ras ? ras : lps ? lps : text, cut, error));
+    if (ras) turn_to_lps(&cut->body);
+    cut->space_stated = ras || lps;
+    return ISO_OK;
 }
 
 iso_status iso_things_parse(const char *text, iso_things *things, iso_error *error) {
@@ -129,8 +155,9 @@ iso_status iso_cut_parse(const char *text, iso_cut *cut, iso_error *error) {
     return at ? iso_things_parse(at + 1, &cut->things, error) : ISO_OK;
 }
 
-/* Whether the first form is "x=MM", which becomes "x<MM", or none with a side. */
+/* Whether a form is "x=MM", which becomes "x<MM", or none with a side. */
 static bool take_equals(char *form) {
+    if (behind(form, "ras:") || behind(form, "lps:")) form += 4;
     if (!form[0] || form[1] == '<' || form[1] == '>') return false;
     if (form[1] == '=') form[1] = '<';
     return true;
@@ -143,7 +170,14 @@ iso_status iso_cut_parse_plane(const char *text, iso_cut *plane, iso_error *erro
     snprintf(form, sizeof form, "%s", text);
     if (take_equals(form) && parse_form(form, plane, &reason) == ISO_OK && (plane->plane || plane->by_depth))
         return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not a plane: x=MM, X,Y,Z:NX,NY,NZ or camera:MM", text);
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "'%s' is not a plane: x=MM, x (in the middle), X,Y,Z:NX,NY,NZ or camera:MM", text);
+}
+
+void iso_cut_set_middle(iso_cut *cut, iso_vec3 middle) {
+    double *face = cut->body.face[0];
+    if (cut->by_middle) face[3] = face[0] * middle.x + face[1] * middle.y + face[2] * middle.z;
+    cut->by_middle = false;
 }
 
 iso_clip_body iso_cut_solve(const iso_cut *cut, const iso_camera *camera, double front) {

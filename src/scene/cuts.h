@@ -24,7 +24,9 @@ typedef struct iso_cut {
     bool by_depth;      /* cuts away what is less than `depth` mm behind the front of the scene */
     double depth;       /* mm along the view */
     iso_clip_body body; /* in the world; without by_depth */
-    bool plane;         /* `body` is a half-space */
+    bool plane;         /* `body` is a half-space, */
+    bool by_middle;     /* whose plane is moved into the middle by iso_cut_set_middle */
+    bool space_stated;  /* by ras: or lps: */
     iso_things things;
 } iso_cut;
 
@@ -33,16 +35,22 @@ extern const char iso_cut_forms[];
 
 /* Parses
  *   x<MM or x>MM (y, z)            what lies there in the world (mm, LPS)
+ *   x, y, z, sagittal, coronal or axial   what lies below the middle; the last three are names of x, y and z
  *   X,Y,Z:NX,NY,NZ                 the side of the plane through the point that the normal points to
  *   camera:MM                      what lies less than MM behind the front of the scene, along the view
  *   box:X0,Y0,Z0,X1,Y1,Z1          the inside of a box
  *   sphere:X,Y,Z,R                 the inside of a ball
- * With keep: before it, everything else is cut away. With @N,.. behind it, only the surfaces and objects with
- * these numbers (from 1) are cut. ISO_ERR_USAGE. */
+ * With ras: before it, it is in RAS; lps: states what is usual. With keep: before all that, everything
+ * else is cut away. With @N,.. behind it, only the surfaces and objects with these
+ * numbers (from 1) are cut. ISO_ERR_USAGE. */
 iso_status iso_cut_parse(const char *text, iso_cut *cut, iso_error *error);
 
-/* Parses a plane: x=MM (y, z), X,Y,Z:NX,NY,NZ or camera:MM. ISO_ERR_USAGE. */
+/* Parses a plane: x=MM or x (y, z), sagittal, coronal, axial, X,Y,Z:NX,NY,NZ or camera:MM, with ras: or lps:
+ * before it. ISO_ERR_USAGE. */
 iso_status iso_cut_parse_plane(const char *text, iso_cut *plane, iso_error *error);
+
+/* Moves the plane of a cut by the middle to `middle`; others stay. */
+void iso_cut_set_middle(iso_cut *cut, iso_vec3 middle);
 
 /* The half-space of a cut with by_depth, seen by a camera. front: least dot product of a point of the scene
  * with the unit vector of the view. Other cuts are returned as they are. */

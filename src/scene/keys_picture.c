@@ -119,7 +119,9 @@ iso_status iso_render_key_style(const iso_key_style *style, const iso_transform 
         .scale_bar = style->scale_bar != 0,
         .orientation_marker = style->orientation_marker != 0,
         .anatomical = style->anatomical != 0,
-        .dark = iso_is_dark(background, style->transparent != 0)};
+        .dark = iso_is_dark(background, style->transparent != 0),
+        .under = picture,
+        .background = background};
     size_t covered = 0;
     ISO_TRY(iso_camera_check(&camera, error));
     ISO_TRY(iso_render_merged_keys(&keys, &opts, picture, &covered, error));

@@ -14,6 +14,7 @@ write("none.nrrd", "uint8", "B", [0] * n**3)
 write("one.nrrd", "uint8", "B", [0] * 4210 + [5] + [0] * (n**3 - 4211))
 write("all.nrrd", "uint8", "B", [4] * n**3)
 write("many.nrrd", "uint16", "H", [min(i * 9, 65535) for i in range(n**3)])
+write("cells.nrrd", "uint8", "B", [min(255, 1 + x // 4 + 5 * (y // 4) + 25 * (z // 2)) for z in range(n) for y in range(n) for x in range(n)])
 P
 refuses 2 "there is no label 7: there are 1, 2" isorender --labels in/labels.nrrd --label 7 bad.png || exit 1
 refuses 2 "there is no label liver: there are 1, 2" isorender --labels in/labels.nrrd --label 1,liver bad.png || exit 1
@@ -39,10 +40,14 @@ refuses 2 "draws no translucent surfaces" isorender in/labels.nrrd --smooth --la
 refuses 2 "shows a volume" isorender in/labels.nrrd --smooth --clip 'x<9' --cap slice bad.png || exit 1
 refuses 7 "in/no/t.csv" isorender --labels in/labels.nrrd --table in/no/t.csv bad.png || exit 1
 refuses 2 "2 labels are written as the objects of an .obj" isorender in/labels.nrrd --smooth --mesh bad.ply --no-image || exit 1
-# One voxel, a volume of one label, and 7,282 labels are drawn.
+# The values of a scan are no labels, unless it is said that they are.
+refuses 2 "in/many.nrrd: these are 7282 values of which neighbours mostly differ, .* without --smooth (--label all" isorender in/many.nrrd --smooth bad.png || exit 1
+refuses 2 "in/many.nrrd: these are 7282 .* without --labels" isorender in/labels.nrrd --labels in/many.nrrd bad.png --quiet || exit 1
+# One voxel, a volume of one label, 200 small cells and 7,282 labels are drawn.
+isorender in/cells.nrrd --smooth cells.png --quiet || exit 1
 isorender in/one.nrrd --smooth one.png --quiet || exit 1
 isorender in/all.nrrd --smooth all.png --quiet || exit 1
-isorender in/many.nrrd --smooth many.png --quiet --table many.csv || exit 1
+isorender in/many.nrrd --smooth many.png --quiet --label all --table many.csv || exit 1
 [ "$(wc -l <many.csv)" -eq 7283 ] || { echo "many.csv has $(wc -l <many.csv) lines"; exit 1; }
 isorender in/many.nrrd --smooth few.png --label '9-540:0.5' --quiet || exit 1
 refuses 2 "translucent labels: up to" isorender in/many.nrrd --smooth bad.png --label all:0.5 || exit 1

@@ -32,6 +32,12 @@ P
 closed s.json
 if isorender in/ball.mha --isovalue 500 --mesh d.stl --decimate 10% --json=d.json $out 2>said; then
     isorender in/ball.mha --isovalue 500 --mesh m.stl --decimate 0.1 --json=m.json $out
+    # what may be meant otherwise is said: a distance for a share, a picture of the mesh as it was
+    isorender in/ball.mha shown.png --isovalue 500 --method mesh --mesh n.stl --decimate 0.1 2>said
+    grep -q "note: --decimate 0.1 is a distance, 0.1 mm; 10% is a share of the triangles" said
+    grep -q "note: the picture shows the mesh before --decimate.*isorender n.stl" said
+    isorender in/ball.mha shown.png --isovalue 500 --mesh n.stl --decimate 10% 2>said
+    ! grep "note:" said
     isorender in/ball.mha --isovalue 500 --mesh f.stl --json=f.json $out
     for name in d m f; do closed $name.json; done
     python3 - <<'P'

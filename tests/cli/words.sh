@@ -58,7 +58,12 @@ refuses 2 'bad.stl: a picture.s name must end in .*(--mesh bad.stl writes' isore
 refuses 2 'bad.exr: a picture.s name must end in .*(--aov bad.exr writes' isorender in/ball.mha bad.exr
 refuses 2 'the input comes first: isorender in/ball.mha bad.png' isorender bad.png in/ball.mha
 isorender_refuses 2 "option --resolution: '4k' is not WxH: 3840x2160" in/ball.mha --resolution 4k
-isorender_refuses 2 "option --resolution: '512' is not WxH, such as 512x512" in/ball.mha --resolution 512
+isorender_refuses 2 "option --resolution: 'big' is neither WxH, such as 1920x1080, nor the side of a square" in/ball.mha --resolution big
+isorender in/ball.mha square.png --resolution 50 --quiet
+isorender in/ball.mha both.png --resolution 50x50 --quiet
+python3 -c 'from check import *; expect(Png("square.png").rows == Png("both.png").rows)'
+# all unknown options are said at once
+refuses 2 'unknown options --foo (see --help), --isovale (did you mean --isovalue?), --bar (' isorender in/ball.mha bad.png --foo 3 --isovale 500 --samples 4 --bar=-x --quiet
 isorender_refuses 2 "option --color: 'rgb(1,0,0)' is neither RRGGBB in hexadecimal, rgb(255,128,0), nor" in/ball.mha --color 'rgb(1,0,0)'
 isorender_refuses 2 "option --threads: 'auto' is not a whole number from 1 to 1024 (default: one a processor)" in/ball.mha --threads auto
 isorender_refuses 4 "there is no backend 'gpu': auto, cpu, egl or osmesa" in/ball.mha --backend gpu

@@ -30,6 +30,7 @@ iso_status isosculpt_cut_add(isosculpt_cut *cut, const char *text, iso_vec3 midd
     if (strlen(text) >= ISOSCULPT_CUT_TEXT)
         return iso_fail(error, ISO_ERR_LIMIT, "a cut of more than %d characters", ISOSCULPT_CUT_TEXT - 1);
     ISO_TRY(iso_cut_parse(text, &cut->cuts[cut->count], error));
+    iso_cut_set_middle(&cut->cuts[cut->count], middle);
     snprintf(cut->texts[cut->count], ISOSCULPT_CUT_TEXT, "%s", text);
     if (cut->cuts[cut->count].plane && cut->plane < 0) give_handle(cut, cut->count, middle);
     cut->count++;

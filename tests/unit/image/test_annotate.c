@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -302,6 +303,166 @@ static void insets_lie_in_their_corner(void **state) {
     }
 }
 
+/* A picture of 400 x 400 that shows something in some boxes; the rest is background. */
+static iso_image picture_with(const int boxes[][4], int count) {
+    static const uint8_t ground[4] = {250, 250, 250, 255};
+    iso_image image;
+    assert_int_equal(iso_image_create(400, 400, &image, NULL), ISO_OK);
+    fill(&image, ground);
+    for (int i = 0; i < count; i++)
+        for (int y = boxes[i][1]; y < boxes[i][3]; y++)
+            for (int x = boxes[i][0]; x < boxes[i][2]; x++)
+                memset(image.rgba + 4 * (y * image.width + x), 80, 3);
+    return image;
+}
+
+/* Which quarter of the picture a drawing is in: 1 right, 2 below. */
+static int quarter_of(const iso_drawing *drawing) {
+    double box[4];
+    iso_drawing_box(drawing, box);
+    assert_true(box[0] >= 0 && box[1] >= 0 && box[2] <= 400 && box[3] <= 400);
+    return (box[0] + box[2] > 400) + 2 * (box[1] + box[3] > 400);
+}
+
+static void annotations_cover_little(void **state) {
+    (void)state;
+    const iso_camera camera = camera_at(iso_vec3_make(0, -1, 0), 50);
+    const iso_legend_entry entry = {"Entry", {200, 30, 30}};
+    static const int things[][4] = {{0, 0, 200, 200}, {200, 200, 400, 400}, {200, 0, 400, 200}};
+    /* things in the picture; where the legend and the scale bar stand */
+    static const int cases[][4] = {{0, 0, 0, 3}, {0, 1, 1, 3}, {1, 1, 0, 2}, {0, 2, 1, 2}, {0, 3, 2, 2}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (int kind = 0; kind < 2; kind++) {
+            iso_image under = picture_with(things + cases[i][0], cases[i][1]);
+            iso_annotation_places places = {.chosen = false};
+            iso_annotation a = {.camera = &camera,
+                                .scale_bar = kind == 1,
+                                .legend = &entry,
+                                .legend_count = kind == 0,
+                                .under = &under,
+                                .background = {250, 250, 250},
+                                .places = &places};
+            iso_drawing drawing = {.marks = NULL};
+            assert_int_equal(iso_annotation_draw(&drawing, &a, 400, 400, NULL), ISO_OK);
+            const int usual = kind == 0 ? 0 : 3, at = quarter_of(&drawing);
+            if (cases[i][1] < 3 || kind == 0) assert_int_equal(at, cases[i][2 + kind]);
+            iso_drawing_free(&drawing);
+            /* the pictures that follow have it in the same place, whatever they show */
+            memset(under.rgba, 80, 400 * 400 * 4);
+            assert_int_equal(iso_annotation_draw(&drawing, &a, 400, 400, NULL), ISO_OK);
+            assert_int_equal(quarter_of(&drawing), at);
+            iso_drawing_free(&drawing);
+            /* where there is no choice, as in a picture that is covered everywhere, it stays */
+            places.chosen = false;
+            assert_int_equal(iso_annotation_draw(&drawing, &a, 400, 400, NULL), ISO_OK);
+            assert_int_equal(quarter_of(&drawing), usual);
+            assert_true(places.covered[kind == 0 ? ISO_ANNOTATION_LEGEND : ISO_ANNOTATION_SCALE_BAR] > 0.95);
+            iso_drawing_free(&drawing);
+            iso_image_free(&under);
+        }
+}
+
+/* What moves makes room for what stands where it would go, texts among it. */
+static void annotations_leave_each_other_room(void **state) {
+    (void)state;
+    const iso_camera camera = camera_at(iso_vec3_make(0, -1, 0), 50);
+    const iso_legend_entry entry = {"Entry", {200, 30, 30}};
+    const iso_note note = {.kind = ISO_NOTE_TEXT, .text = "a text", .to = {.at = {0.9, 0.05, 0}}};
+    static const int thing[][4] = {{0, 0, 100, 100}};
+    iso_image under = picture_with(thing, 1);
+    for (int noted = 0; noted < 2; noted++) {
+        iso_annotation_places places = {.chosen = false};
+        const iso_annotation a = {.camera = &camera,
+                                  .orientation_marker = true,
+                                  .legend = &entry,
+                                  .legend_count = 1,
+                                  .notes = &note,
+                                  .note_count = noted,
+                                  .under = &under,
+                                  .background = {250, 250, 250},
+                                  .places = &places};
+        iso_drawing drawing = {.marks = NULL};
+        assert_int_equal(iso_annotation_draw(&drawing, &a, 400, 400, NULL), ISO_OK);
+        assert_int_equal(places.place[ISO_ANNOTATION_MARKER], 0);
+        assert_true(places.place[ISO_ANNOTATION_LEGEND] != 0);
+        assert_true((places.place[ISO_ANNOTATION_LEGEND] == 2) == !noted); /* the top right corner */
+        assert_true(places.covered[ISO_ANNOTATION_LEGEND] == 0);
+        iso_drawing_free(&drawing);
+    }
+    iso_image_free(&under);
+}
+
+/* Of a legend that is too large as much is drawn as there is room for, and it says how much is left out. */
+static void legends_say_what_is_left_out(void **state) {
+    (void)state;
+    enum { ENTRIES = 200 };
+    iso_legend_entry entries[ENTRIES];
+    const iso_camera camera = camera_at(iso_vec3_make(0, -1, 0), 50);
+    for (int i = 0; i < ENTRIES; i++) entries[i] = (iso_legend_entry){"an entry", {200, 30, 30}};
+    for (int i = 0; i < 4; i++) {
+        iso_annotation_places places = {.chosen = true};
+        const iso_annotation a = {.camera = &camera,
+                                  .legend = entries,
+                                  .legend_count = i < 2 ? 10 : ENTRIES,
+                                  .legend_more = i % 2 * 7,
+                                  .places = &places};
+        iso_drawing drawing = {.marks = NULL};
+        double box[4];
+        int texts = 0;
+        assert_int_equal(iso_annotation_draw(&drawing, &a, 400, 400, NULL), ISO_OK);
+        iso_drawing_box(&drawing, box);
+        assert_true(box[0] >= 0 && box[1] >= 0 && box[2] <= 400 && box[3] <= 400);
+        for (int k = 0; k < drawing.count; k++) texts += drawing.marks[k].kind == ISO_MARK_TEXT;
+        const char *last = drawing.marks[drawing.count - 1].text;
+        char wanted[32];
+        snprintf(wanted, sizeof wanted, "+%d more", a.legend_count + a.legend_more - (texts - 1));
+        assert_string_equal(last, i ? wanted : "an entry");
+        assert_int_equal(places.legend_more, i ? a.legend_count + a.legend_more - (texts - 1) : 0);
+        if (i > 1) assert_true(texts > 40 && texts < ENTRIES);
+        iso_drawing_free(&drawing);
+    }
+}
+
+/* Numbers beside bars are round, three to six of them, and at the places of their colours. */
+static void ticks_are_round(void **state) {
+    (void)state;
+    static const struct {
+        double low, high;
+        const char *labels[8];
+    } cases[] = {{0, 137.42, {"0", "25", "50", "75", "100", "125"}},
+                 {0, 137.49, {"0", "25", "50", "75", "100", "125"}},
+                 {-1.3, 2.9, {"\u22121", "0", "1", "2"}},
+                 {10, 0, {"0", "2", "4", "6", "8", "10"}},
+                 {1000.2, 1000.8, {"1000.2", "1000.4", "1000.6", "1000.8"}},
+                 {3, 3, {"3"}},
+                 {0.0012, 0.0061, {"0.002", "0.003", "0.004", "0.005", "0.006"}},
+                 {-4e6, 4e6, {"\u22124e+06", "\u22122e+06", "0", "2e+06", "4e+06"}},
+                 {1024, 3071, {"1500", "2000", "2500", "3000"}}};
+    const iso_camera camera = camera_at(iso_vec3_make(0, -1, 0), 1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const iso_color_bar bar = {.low = cases[i].low, .high = cases[i].high};
+        const iso_annotation a = {.camera = &camera, .color_bars = &bar, .color_bar_count = 1};
+        iso_drawing drawing = {.marks = NULL};
+        assert_int_equal(iso_annotation_draw(&drawing, &a, 400, 400, NULL), ISO_OK);
+        int count = 0;
+        for (int k = 0; k < drawing.count; k++) {
+            const iso_mark *m = &drawing.marks[k], *tick = k ? m - 1 : m;
+            if (m->kind != ISO_MARK_TEXT) continue;
+            if (count < 8 && cases[i].labels[count]) assert_string_equal(m->text, cases[i].labels[count]);
+            assert_true(count++ < 7);
+            if (bar.low == bar.high) continue;
+            const bool minus = (unsigned char)*m->text == 0xe2;
+            const double number = minus ? -atof(m->text + 3) : atof(m->text),
+                         part = (number - bar.low) / (bar.high - bar.low);
+            assert_int_equal(tick->kind, ISO_MARK_LINES);
+            assert_true(fabs(tick->points[0][1] - (300 - 200 * part)) < 1e-6);
+            assert_true(fabs(m->y - 0.5 * 9.6 - tick->points[0][1]) < 0.01);
+        }
+        assert_true(count >= (bar.low == bar.high ? 1 : 3));
+        iso_drawing_free(&drawing);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lengths_are_round),
@@ -315,6 +476,10 @@ int main(void) {
         cmocka_unit_test(texts_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(rulers_have_their_length),
         cmocka_unit_test(insets_lie_in_their_corner),
+        cmocka_unit_test(annotations_cover_little),
+        cmocka_unit_test(annotations_leave_each_other_room),
+        cmocka_unit_test(ticks_are_round),
+        cmocka_unit_test(legends_say_what_is_left_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
