@@ -3,8 +3,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/kernel_units.h"
 #include "base/memory.h"
 #include "grids/spline/spline.h"
+#include "grids/spline/spline_kernel.h"
 
 /* A brick of the refined grid, as a slot of iso_parallel_ordered keeps it. */
 typedef struct refined_brick {
@@ -18,6 +20,7 @@ typedef struct refining {
     const iso_spline *spline;
     float isovalue;
     bool level_set;
+    iso_spline_shell_fn *shell; /* NULL: the samples are kept as they are */
     uint32_t *bricks; /* the numbers of the refined grid's cells that the surface may cross */
     iso_hgrid *refined;
     refined_brick *slots;
@@ -32,7 +35,7 @@ static float refined_value(const refining *r, float value) {
 }
 
 /* iso_ordered.work. A brick is kept if the surface, or the border of what is finite, crosses cells whose
- * normals depend on it. */
+ * normals depend on it, or if its shell begins. */
 static void sample_brick(void *context, size_t index, size_t slot, int worker) {
     (void)worker;
     refining *r = context;
@@ -49,11 +52,15 @@ static void sample_brick(void *context, size_t index, size_t slot, int worker) {
     const size_t all = sizeof samples / sizeof *samples;
     made->kept = inside != all && outside != all && inside + outside > 0;
     made->state = inside == all ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE;
-    for (int row = 0; made->kept && row < ISO_BRICK * ISO_BRICK; row++) {
+    if (r->shell && inside != all) r->shell(samples);
+    bool lowered = false;
+    for (int row = 0; row < ISO_BRICK * ISO_BRICK; row++) {
         const int y = row % ISO_BRICK + 2, z = row / ISO_BRICK + 2;
-        memcpy(made->values + row * ISO_BRICK,
-               samples + (z * ISO_SPLINE_SAMPLES + y) * ISO_SPLINE_SAMPLES + 2, ISO_BRICK * sizeof *samples);
+        const float *from = samples + (z * ISO_SPLINE_SAMPLES + y) * ISO_SPLINE_SAMPLES + 2;
+        memcpy(made->values + row * ISO_BRICK, from, ISO_BRICK * sizeof *samples);
+        for (int x = 0; x < ISO_BRICK; x++) lowered |= from[x] < 0;
     }
+    made->kept |= outside == all && lowered;
 }
 
 /* iso_ordered.place */
@@ -102,8 +109,8 @@ static iso_status sample_bricks(refining *r, double isovalue, iso_pool *pool) {
     return r->status == ISO_OK ? iso_pool_check(pool, "the smooth surface", r->error) : r->status;
 }
 
-iso_status iso_spline_refine(const iso_spline *spline, double isovalue, iso_pool *pool, iso_hgrid **out,
-                             iso_error *error) {
+iso_status iso_spline_refine(const iso_spline *spline, double isovalue, bool shell, iso_pool *pool,
+                             iso_hgrid **out, iso_error *error) {
     const iso_grid *grid = iso_spline_grid(spline);
     const int *dims = iso_grid_dims(grid);
     int fine[3];
@@ -121,6 +128,7 @@ iso_status iso_spline_refine(const iso_spline *spline, double isovalue, iso_pool
     refining r = {.spline = spline,
                   .isovalue = (float)isovalue,
                   .level_set = iso_grid_is_level_set(grid) != 0,
+                  .shell = shell ? ISO_KERNEL_UNIT(iso_spline_shell_units, iso_cpu_best()) : NULL,
                   .error = error};
     ISO_TRY(iso_hgrid_create(fine, 0, &transform, &r.refined, error));
     const iso_status status = sample_bricks(&r, isovalue, pool);

@@ -20,4 +20,9 @@ typedef void iso_spline_sample_fn(const float *input, const iso_spline_weights *
 /* Every instruction set gives the same bytes. */
 ISO_KERNEL_UNITS(iso_spline_sample_fn, iso_spline_sample_units);
 
+/* Lowers the inner 16^3 of a block's samples, which are negative inside, so that their trilinear surface
+ * encloses that of the spline. The same bytes as above. */
+typedef void iso_spline_shell_fn(float *samples);
+ISO_KERNEL_UNITS(iso_spline_shell_fn, iso_spline_shell_units);
+
 #endif
