@@ -21,7 +21,7 @@ typedef struct refining {
     float isovalue;
     bool level_set;
     iso_spline_shell_fn *shell; /* NULL: the samples are kept as they are */
-    uint32_t *bricks; /* the numbers of the refined grid's cells that the surface may cross */
+    uint32_t *bricks;           /* the numbers of the refined grid's cells that the surface may cross */
     iso_hgrid *refined;
     refined_brick *slots;
     iso_status status;
@@ -52,15 +52,18 @@ static void sample_brick(void *context, size_t index, size_t slot, int worker) {
     const size_t all = sizeof samples / sizeof *samples;
     made->kept = inside != all && outside != all && inside + outside > 0;
     made->state = inside == all ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE;
-    if (r->shell && inside != all) r->shell(samples);
-    bool lowered = false;
-    for (int row = 0; row < ISO_BRICK * ISO_BRICK; row++) {
-        const int y = row % ISO_BRICK + 2, z = row / ISO_BRICK + 2;
-        const float *from = samples + (z * ISO_SPLINE_SAMPLES + y) * ISO_SPLINE_SAMPLES + 2;
-        memcpy(made->values + row * ISO_BRICK, from, ISO_BRICK * sizeof *samples);
-        for (int x = 0; x < ISO_BRICK; x++) lowered |= from[x] < 0;
+    if (r->shell && inside != all) {
+        bool lowered = false;
+        r->shell(samples, made->values);
+        for (int i = 0; i < ISO_BRICK_VOXELS; i++) lowered |= made->values[i] < 0;
+        made->kept |= outside == all && lowered;
+        return;
     }
-    made->kept |= outside == all && lowered;
+    for (int row = 0; made->kept && row < ISO_BRICK * ISO_BRICK; row++) {
+        const int y = row % ISO_BRICK + 2, z = row / ISO_BRICK + 2;
+        memcpy(made->values + row * ISO_BRICK,
+               samples + (z * ISO_SPLINE_SAMPLES + y) * ISO_SPLINE_SAMPLES + 2, ISO_BRICK * sizeof *samples);
+    }
 }
 
 /* iso_ordered.place */

@@ -20,9 +20,9 @@ typedef void iso_spline_sample_fn(const float *input, const iso_spline_weights *
 /* Every instruction set gives the same bytes. */
 ISO_KERNEL_UNITS(iso_spline_sample_fn, iso_spline_sample_units);
 
-/* Lowers the inner 16^3 of a block's samples, which are negative inside, so that their trilinear surface
- * encloses that of the spline. The same bytes as above. */
-typedef void iso_spline_shell_fn(float *samples);
+/* The inner 16^3 of a block's samples, which are negative inside, lowered so that their trilinear surface
+ * encloses that of the spline. Every instruction set gives the same bytes. */
+typedef void iso_spline_shell_fn(const float *samples, float *lowered);
 ISO_KERNEL_UNITS(iso_spline_shell_fn, iso_spline_shell_units);
 
 #endif

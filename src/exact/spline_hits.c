@@ -17,13 +17,19 @@ typedef struct moving {
     iso_affine affine;
     int cells[3]; /* the last cell on each axis */
     bool smooths;
+    double before; /* mm: how far before the shell rays are traced from */
     iso_spline_hits_fn *move;
 } moving;
+
+typedef struct tile_sample {
+    size_t index;        /* in the gbuffer */
+    float shell, toward; /* depth of the shell; iso_spline_hits.toward */
+} tile_sample;
 
 /* The samples of a tile. */
 typedef struct tile {
     int count, cells, again_count;
-    size_t sample[SAMPLES], again[SAMPLES]; /* again: to be moved on from another cell */
+    tile_sample sample[SAMPLES], again[SAMPLES]; /* again: to be moved on from another cell */
     float at[SAMPLES][3], step[SAMPLES][3];
     int16_t next[SAMPLES];                 /* of the same cell; NONE: it is the last */
     int cell[SAMPLES][3];                  /* the cells, in the order of their first samples */
@@ -60,10 +66,10 @@ static bool shows(const moving *m, iso_vec3 origin, iso_vec3 direction, double t
     return !clip || iso_clip_shows(clip, iso_vec3_add(origin, iso_vec3_scale(direction, t)));
 }
 
-static void add_sample(const moving *m, tile *t, size_t sample) {
+static void add_sample(const moving *m, tile *t, tile_sample added) {
     iso_vec3 origin, direction;
-    view_ray(m, sample, &origin, &direction);
-    const double depth = (double)m->target->gbuffer->depth[sample];
+    view_ray(m, added.index, &origin, &direction);
+    const double depth = (double)m->target->gbuffer->depth[added.index];
     const iso_vec3 p = iso_affine_point_to_index(&m->affine,
                                                  iso_vec3_add(origin, iso_vec3_scale(direction, depth))),
                    d = iso_affine_vector_to_index(&m->affine, direction);
@@ -77,7 +83,7 @@ static void add_sample(const moving *m, tile *t, size_t sample) {
         t->step[number][i] = (float)step[i];
     }
     const int16_t found = find_cell(t, cell);
-    t->sample[number] = sample;
+    t->sample[number] = added;
     t->next[number] = NONE;
     if (t->first[found] == NONE)
         t->first[found] = (int16_t)number;
@@ -97,14 +103,18 @@ static void write_sample(const moving *m, size_t sample, double depth, iso_vec3 
     gbuffer->normal[2][sample] = (float)n.z;
 }
 
-/* Draws a sample by tracing its ray from the beginning. */
-static void trace_sample(const moving *m, size_t sample) {
+/* Draws a sample by tracing its ray: from the shell if it has entered that there, else from its beginning. */
+static void trace_sample(const moving *m, const tile_sample *from) {
+    const size_t sample = from->index;
     const iso_ray_tracer *tracer = m->of->tracer;
     iso_vec3 origin, direction;
     iso_ray ray;
     iso_ray_hit hit;
     view_ray(m, sample, &origin, &direction);
-    bool found = iso_ray_start(tracer, origin, direction, m->target->view->near, &ray);
+    const double toward = iso_vec3_dot(iso_gbuffer_normal(m->target->gbuffer, sample),
+                                       iso_view_vector(m->target->view, direction)),
+                 first = toward < 0 ? (double)from->shell - m->before : m->target->view->near;
+    bool found = iso_ray_start(tracer, origin, direction, first, &ray);
     do found = found && iso_ray_next(tracer, &ray, &hit);
     while (found && !shows(m, origin, direction, hit.t));
     if (found) {
@@ -115,11 +125,13 @@ static void trace_sample(const moving *m, size_t sample) {
     }
 }
 
-static void use_hit(const moving *m, tile *t, const iso_spline_hits *hits, int i, size_t sample) {
+static void use_hit(const moving *m, tile *t, const iso_spline_hits *hits, int i, const tile_sample *from) {
+    const size_t sample = from->index;
     const double depth = (double)m->target->gbuffer->depth[sample] + (double)hits->shift[i];
     if (hits->state[i] == ISO_SPLINE_AGAIN) {
         m->target->gbuffer->depth[sample] = (float)depth;
-        t->again[t->again_count++] = sample;
+        t->again[t->again_count] = *from;
+        t->again[t->again_count++].toward = hits->toward[i];
         return;
     }
     bool moved = hits->state[i] == ISO_SPLINE_MOVED;
@@ -129,7 +141,7 @@ static void use_hit(const moving *m, tile *t, const iso_spline_hits *hits, int i
         moved = shows(m, origin, direction, depth);
     }
     if (!moved) {
-        trace_sample(m, sample);
+        trace_sample(m, from);
         return;
     }
     const iso_vec3 gradient = {(double)hits->gradient[0][i], (double)hits->gradient[1][i],
@@ -140,7 +152,7 @@ static void use_hit(const moving *m, tile *t, const iso_spline_hits *hits, int i
 /* Moves the samples in one cell. */
 static void move_cell(const moving *m, tile *t, int cell) {
     iso_spline_hits hits;
-    size_t sample[SAMPLES];
+    int number_of[SAMPLES];
     hits.smooths = m->smooths;
     hits.isovalue = (float)m->of->isovalue;
     hits.prefilter =
@@ -151,15 +163,16 @@ static void move_cell(const moving *m, tile *t, int cell) {
             hits.at[i][hits.count] = t->at[number][i];
             hits.step[i][hits.count] = t->step[number][i];
         }
-        sample[hits.count++] = t->sample[number];
+        hits.toward[hits.count] = t->sample[number].toward;
+        number_of[hits.count++] = number;
     }
     m->move(&hits);
-    for (int i = 0; i < hits.count; i++) use_hit(m, t, &hits, i, sample[i]);
+    for (int i = 0; i < hits.count; i++) use_hit(m, t, &hits, i, &t->sample[number_of[i]]);
 }
 
 static void move_tile(const moving *m, tile *t) {
     for (int pass = 1; t->count; pass++) {
-        size_t again[SAMPLES];
+        tile_sample again[SAMPLES];
         for (int cell = 0; cell < t->cells; cell++) move_cell(m, t, cell);
         const int count = t->again_count;
         memcpy(again, t->again, (size_t)count * sizeof *again);
@@ -168,7 +181,7 @@ static void move_tile(const moving *m, tile *t) {
             if (pass < PASSES)
                 add_sample(m, t, again[i]);
             else
-                trace_sample(m, again[i]);
+                trace_sample(m, &again[i]);
     }
 }
 
@@ -183,8 +196,9 @@ static void move_tiles(void *context, size_t index, int worker) {
         const int x1 = x0 + TILE < gbuffer->width ? x0 + TILE : gbuffer->width;
         for (int y = y0; y < y1; y++)
             for (int x = x0; x < x1; x++) {
-                const size_t sample = (size_t)y * (size_t)gbuffer->width + (size_t)x;
-                if (gbuffer->surface[sample] == m->target->surface) add_sample(m, &t, sample);
+                const size_t at = (size_t)y * (size_t)gbuffer->width + (size_t)x;
+                if (gbuffer->surface[at] == m->target->surface)
+                    add_sample(m, &t, (tile_sample){at, gbuffer->depth[at], 0});
             }
         move_tile(m, &t);
     }
@@ -194,11 +208,13 @@ static void move_tiles(void *context, size_t index, int worker) {
 static iso_status draw_alone(const iso_target *target, const iso_exact_spline *of, iso_error *error) {
     const iso_grid *grid = iso_spline_grid(of->spline);
     const int *dims = iso_grid_dims(grid);
+    const double *spacing = iso_grid_transform(grid)->spacing;
     moving m = {.target = target,
                 .of = of,
                 .outward = iso_grid_is_level_set(grid) ? 1 : -1,
                 .affine = iso_transform_affine(iso_grid_transform(grid)),
                 .cells = {dims[0] - 2, dims[1] - 2, dims[2] - 2},
+                .before = 0.01 * fmin(spacing[0], fmin(spacing[1], spacing[2])),
                 .smooths = iso_spline_has_smoothed_normals(of->spline),
                 .move = ISO_KERNEL_UNIT(iso_spline_hits_units, iso_cpu_best())};
     ISO_TRY(iso_draw_exact(target, of->shell, error));

@@ -9,8 +9,6 @@ enum { EDGE = 6, TAPS = ISO_SPLINE_TAPS, TERMS = ISO_SPLINE_COEFFICIENTS, STEPS 
 
 /* Steps of Newton's method end when one is shorter than this, voxels. */
 static const float SMALL = 1e-3f;
-/* Hits are not moved farther, voxels. */
-static const float FAR = 0.5f;
 /* So far outside the cell its polynomial is as good as that of the next one. */
 static const float BESIDE = 0.02f;
 
@@ -83,40 +81,51 @@ ISO_INLINE vf dot(const vf a[3], const vf b[3]) {
     return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
 
+/* The shifts with which rays enter and leave the cell. */
+ISO_INLINE void find_ends(const vf at[3], const vf step[3], vf *enter, vf *leave) {
+    *enter = v_set(-1e30f);
+    *leave = v_set(1e30f);
+    for (int axis = 0; axis < 3; axis++) {
+        const vf low = (v_set(-BESIDE) - at[axis]) / step[axis],
+                 high = (v_set(1 + BESIDE) - at[axis]) / step[axis];
+        *enter = v_max(v_min(low, high), *enter); /* not by a NaN */
+        *leave = v_min(v_max(high, low), *leave);
+    }
+}
+
 /* Moves a vector of hits. A hit that has arrived does not change while others go on. */
 ISO_INLINE void move(iso_spline_hits *h, const float c[TERMS], const float smoothed[TERMS], int first) {
-    vf at[3], step[3], p[3], value, gradient[3], best[3], shift = v_set(0), start = shift;
+    vf at[3], step[3], p[3], value, gradient[3], best[3], enter, leave, shift = v_set(0);
+    vf toward = v_load(h->toward + first);
     load3(h->at, first, at);
     load3(h->step, first, step);
+    find_ends(at, step, &enter, &leave);
     const vf square = dot(step, step);
-    vm active = v_le(shift, shift), arrived = v_lt(shift, shift);
+    vm active = v_le(shift, shift), arrived = v_lt(shift, shift), beside = arrived;
     for (int axis = 0; axis < 3; axis++) best[axis] = shift;
     for (int k = 0; k < STEPS && v_mask(active); k++) {
         for (int axis = 0; axis < 3; axis++) p[axis] = at[axis] + shift * step[axis];
         evaluate(c, p, &value, gradient);
-        const vf slope = dot(gradient, step), last = v_set(0) - value / slope;
-        if (k == 0) start = slope;
+        const vf slope = dot(gradient, step), last = v_set(0) - value / slope, next = shift + last;
+        toward = v_select(v_eq(toward, v_set(0)), slope, toward);
         for (int axis = 0; axis < 3; axis++) best[axis] = v_select(active, gradient[axis], best[axis]);
-        shift = v_select(active, shift + last, shift);
-        const vm small = v_lt(last * last * square, v_set(SMALL * SMALL)),
-                 near = v_lt(shift * shift * square, v_set(FAR * FAR)); /* false of what is not finite */
-        arrived = v_or(arrived, v_and(active, v_and(small, near)));
-        active = v_andnot(v_and(active, near), small);
+        /* A ray that leaves the solid where it should enter it has entered it before, or somewhere else. */
+        active = v_and(active, v_lt(v_set(0), toward * slope));
+        const vm within = v_and(v_le(enter, next), v_le(next, leave)),
+                 small = v_and(within, v_lt(last * last * square, v_set(SMALL * SMALL)));
+        shift = v_select(active, v_max(v_min(next, leave), enter), shift);
+        arrived = v_or(arrived, v_and(active, small));
+        beside = v_or(beside, v_andnot(active, within));
+        active = v_andnot(v_and(active, within), small);
     }
-    vm within = arrived;
-    for (int axis = 0; axis < 3; axis++) {
-        p[axis] = at[axis] + shift * step[axis];
-        within = v_and(within, v_and(v_lt(v_set(-BESIDE), p[axis]), v_lt(p[axis], v_set(1 + BESIDE))));
-    }
-    /* A ray that leaves the solid where it should enter it has entered it before, or somewhere else. */
-    const vm same_way = v_and(arrived, v_lt(v_set(0), start * dot(best, step)));
+    for (int axis = 0; axis < 3; axis++) p[axis] = at[axis] + shift * step[axis];
     if (smoothed) evaluate(smoothed, p, &value, best);
     for (int axis = 0; axis < 3; axis++) v_store(h->gradient[axis] + first, best[axis]);
     v_store(h->shift + first, shift);
     v_storei(h->state + first,
-             v_selecti(same_way,
-                       v_selecti(within, v_seti(ISO_SPLINE_MOVED), v_seti(ISO_SPLINE_AGAIN)),
-                       v_seti(ISO_SPLINE_LOST)));
+             v_selecti(arrived, v_seti(ISO_SPLINE_MOVED),
+                       v_selecti(beside, v_seti(ISO_SPLINE_AGAIN), v_seti(ISO_SPLINE_LOST))));
+    v_store(h->toward + first, toward);
 }
 
 void ISO_KERNEL_NAME(iso_spline_hits_units)(iso_spline_hits *h) {
@@ -128,10 +137,12 @@ void ISO_KERNEL_NAME(iso_spline_hits_units)(iso_spline_hits *h) {
         memcpy(c, h->values, sizeof c);
     find_powers(c);
     if (h->smooths) find_powers(h->smoothed);
-    for (int i = h->count; i % 16; i++)
+    for (int i = h->count; i % 16; i++) {
+        h->toward[i] = 0;
         for (int axis = 0; axis < 3; axis++) {
             h->at[axis][i] = h->at[axis][h->count - 1];
             h->step[axis][i] = h->step[axis][h->count - 1];
         }
+    }
     for (int i = 0; i < h->count; i += ISO_LANES) move(h, c, h->smooths ? h->smoothed : NULL, i);
 }

@@ -7,8 +7,8 @@
 
 enum { ISO_SPLINE_HITS = 256 };
 
-/* What became of a hit: it is on the spline; it is near a crossing in another cell, from which it is to be
- * moved again; the method found no crossing, or one where the ray crosses the other way. */
+/* What became of a hit: it is on the spline; it has reached the border of the cell, and is to be moved again
+ * in the next one; the method found no crossing, or one where the ray crosses the other way. */
 enum { ISO_SPLINE_MOVED, ISO_SPLINE_AGAIN, ISO_SPLINE_LOST };
 
 /* Up to 256 hits in one cell. */
@@ -18,6 +18,8 @@ typedef struct iso_spline_hits {
     float isovalue, values[ISO_SPLINE_VOXELS], smoothed[ISO_SPLINE_COEFFICIENTS];
     /* Positions in the cell's coordinates, and how they change for each mm of depth. */
     float at[3][ISO_SPLINE_HITS], step[3][ISO_SPLINE_HITS];
+    /* The change of the field along the ray where it was moved first, for each mm; 0: it is moved first. Set. */
+    float toward[ISO_SPLINE_HITS];
     float shift[ISO_SPLINE_HITS], gradient[3][ISO_SPLINE_HITS]; /* results: mm of depth; stored values */
     int32_t state[ISO_SPLINE_HITS];
 } iso_spline_hits;

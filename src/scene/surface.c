@@ -87,8 +87,8 @@ static iso_status update_cells(iso_scene_surface *surface, iso_error *error) {
     ISO_TRY(iso_spline_refine(surface->spline, iso_grid_stored(&surface->grid, surface->isovalue),
                               !surface->layered, surface->pool, &surface->refined, error));
     if (!surface->layered)
-        ISO_TRY(iso_ray_tracer_create_spline(surface->spline, surface->isovalue, surface->pool,
-                                             &surface->tracer, error));
+        ISO_TRY(iso_ray_tracer_create_spline(surface->spline, surface->isovalue, surface->refined,
+                                             surface->pool, &surface->tracer, error));
     opts.isovalue = 0;
     opts.cell_side = 0.5;
     const iso_grid grid = {NULL, surface->refined};
