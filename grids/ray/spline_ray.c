@@ -23,13 +23,13 @@ bool iso_spline_bernstein(double c[ISO_SPLINE_COEFFICIENTS], double isovalue) {
     for (int i = 0; i < 16; i++) to_bernstein(c + 4 * i, 1);
     for (int i = 0; i < 16; i++) to_bernstein(c + (i / 4 * 16 + i % 4), 4);
     for (int i = 0; i < 16; i++) to_bernstein(c + i, 16);
-    double lo = INFINITY, hi = -INFINITY, most = 0;
+    double lo = INFINITY, hi = -INFINITY;
     for (int i = 0; i < ISO_SPLINE_COEFFICIENTS; i++) {
-        lo = fmin(lo, c[i]);
-        hi = fmax(hi, c[i]);
-        most = fmax(most, fabs(c[i]));
+        lo = c[i] < lo ? c[i] : lo;
+        hi = c[i] > hi ? c[i] : hi;
     }
-    const double slack = 1e-12 * (most + fabs(isovalue)); /* two cells at a face agree on its side */
+    /* two cells at a face agree on its side */
+    const double slack = 1e-12 * (fmax(fabs(lo), fabs(hi)) + fabs(isovalue));
     return lo <= slack && hi >= -slack;
 }
 

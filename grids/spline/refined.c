@@ -1,5 +1,4 @@
 /* refined: the spline's samples at half the voxel spacing, near the surface. */
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -20,19 +19,14 @@ typedef struct refining {
     const iso_spline *spline;
     float isovalue;
     bool level_set;
-    iso_spline_shell_fn *shell; /* NULL: the samples are kept as they are */
-    uint32_t *bricks;           /* the numbers of the refined grid's cells that the surface may cross */
+    bool lowers; /* keep the shell; else the samples as they are */
+    iso_spline_shell_fn *shell;
+    uint32_t *bricks; /* the numbers of the refined grid's cells that the surface may cross */
     iso_hgrid *refined;
     refined_brick *slots;
     iso_status status;
     iso_error *error;
 } refining;
-
-/* A value of the refined grid. A voxel of a scan that equals the isovalue is inside, and 0 is outside. */
-static float refined_value(const refining *r, float value) {
-    if (r->level_set) return value - r->isovalue;
-    return value == r->isovalue ? -FLT_MIN : r->isovalue - value;
-}
 
 /* iso_ordered.work. A brick is kept if the surface, or the border of what is finite, crosses cells whose
  * normals depend on it, or if its shell begins. */
@@ -43,23 +37,13 @@ static void sample_brick(void *context, size_t index, size_t slot, int worker) {
     iso_spline_samples samples;
     iso_hgrid_cell_position(r->refined, r->bricks[index], made->brick);
     iso_spline_sample(r->spline, made->brick, samples);
-    size_t inside = 0, outside = 0;
-    for (size_t i = 0; i < sizeof samples / sizeof *samples; i++) {
-        samples[i] = refined_value(r, samples[i]);
-        inside += samples[i] < 0;
-        outside += samples[i] >= 0;
-    }
-    const size_t all = sizeof samples / sizeof *samples;
-    made->kept = inside != all && outside != all && inside + outside > 0;
-    made->state = inside == all ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE;
-    if (r->shell && inside != all) {
-        bool lowered = false;
-        r->shell(samples, made->values);
-        for (int i = 0; i < ISO_BRICK_VOXELS; i++) lowered |= made->values[i] < 0;
-        made->kept |= outside == all && lowered;
-        return;
-    }
-    for (int row = 0; made->kept && row < ISO_BRICK * ISO_BRICK; row++) {
+    iso_spline_shell s = {samples, r->isovalue, r->level_set, r->lowers ? made->values : NULL, 0, 0, 0};
+    r->shell(&s);
+    const int all = sizeof samples / sizeof *samples;
+    made->kept = s.inside != all && s.outside != all && s.inside + s.outside > 0;
+    made->kept |= s.lowered > 0 && s.outside == all;
+    made->state = s.inside == all ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE;
+    for (int row = 0; made->kept && !r->lowers && row < ISO_BRICK * ISO_BRICK; row++) {
         const int y = row % ISO_BRICK + 2, z = row / ISO_BRICK + 2;
         memcpy(made->values + row * ISO_BRICK,
                samples + (z * ISO_SPLINE_SAMPLES + y) * ISO_SPLINE_SAMPLES + 2, ISO_BRICK * sizeof *samples);
@@ -131,7 +115,8 @@ iso_status iso_spline_refine(const iso_spline *spline, double isovalue, bool she
     refining r = {.spline = spline,
                   .isovalue = (float)isovalue,
                   .level_set = iso_grid_is_level_set(grid) != 0,
-                  .shell = shell ? ISO_KERNEL_UNIT(iso_spline_shell_units, iso_cpu_best()) : NULL,
+                  .lowers = shell,
+                  .shell = ISO_KERNEL_UNIT(iso_spline_shell_units, iso_cpu_best()),
                   .error = error};
     ISO_TRY(iso_hgrid_create(fine, 0, &transform, &r.refined, error));
     const iso_status status = sample_bricks(&r, isovalue, pool);
