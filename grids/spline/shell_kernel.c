@@ -7,12 +7,12 @@
 
 enum { OUT = ISO_SPLINE_SAMPLES, SIDE = OUT - 4, ALL = OUT * OUT * OUT };
 
-/* Where the second derivative f'' is the same at two samples, their linear interpolation lies above f by up to
- * f'' / 8 (the spacing is 1). The rest is for its changes. */
+/* Where the second derivative f'' is the same at two samples, their linear interpolation lies above f by up
+ * to f'' / 8 (the spacing is 1). The rest is for its changes. */
 static const float SHARE = 0.14f;
 
-/* Turns samples into values that are negative inside. A voxel of a scan that equals the isovalue is inside, and
- * 0 is outside. */
+/* Turns samples into values that are negative inside. A voxel of a scan that equals the isovalue is inside,
+ * and 0 is outside. */
 static void set_sides(iso_spline_shell *s) {
     const vf isovalue = v_set(s->isovalue), zero = v_set(0);
     s->inside = s->outside = 0;

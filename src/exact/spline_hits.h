@@ -1,6 +1,6 @@
 /* spline_hits: draws the isosurface of a spline (grids/spline). exact draws a shell around it; then each
- * sample is moved along its ray onto the spline, by Newton's method, and gets the spline's normal. Samples from
- * which the method does not arrive, next to outlines, are traced. */
+ * sample is moved along its ray onto the spline, by Newton's method, and gets the spline's normal. Samples
+ * from which the method does not arrive, next to outlines, are traced. */
 #ifndef ISO_EXACT_SPLINE_HITS_H
 #define ISO_EXACT_SPLINE_HITS_H
 

@@ -18,7 +18,8 @@ typedef struct iso_spline_hits {
     float isovalue, values[ISO_SPLINE_VOXELS], smoothed[ISO_SPLINE_COEFFICIENTS];
     /* Positions in the cell's coordinates, and how they change for each mm of depth. */
     float at[3][ISO_SPLINE_HITS], step[3][ISO_SPLINE_HITS];
-    /* The change of the field along the ray where it was moved first, for each mm; 0: it is moved first. Set. */
+    /* The change of the field along the ray where it was moved first, for each mm; 0: it is moved first.
+     * Set. */
     float toward[ISO_SPLINE_HITS];
     float shift[ISO_SPLINE_HITS], gradient[3][ISO_SPLINE_HITS]; /* results: mm of depth; stored values */
     int32_t state[ISO_SPLINE_HITS];

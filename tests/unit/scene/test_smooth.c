@@ -199,8 +199,8 @@ static void surfaces_are_near_analytic_ones(void **state) {
     }
 }
 
-/* What exact draws, without and behind which there is a far plane, against the ray caster's picture. Returns the
- * number of samples beyond 1e-3 voxel. */
+/* What exact draws, without and behind which there is a far plane, against the ray caster's picture. Returns
+ * the number of samples beyond 1e-3 voxel. */
 static int compare_pictures(const solid *s, iso_rgrid *grid, iso_filter filter, double zoom, double turn,
                             int *hits) {
     iso_view view = view_of(zoom, turn);
