@@ -76,8 +76,8 @@ void iso_spline_sample(const iso_spline *spline, const int block[3], iso_spline_
  * level set whose zero is the surface, and whose trilinear surface is within a quarter of the trilinear
  * surface's error of the spline's. Its values are stored ones minus the isovalue, negative inside, and not
  * distances. `shell`: values are lowered by bounds of that error, so that the trilinear surface encloses the
- * spline's: a ray that meets the spline's solid has met the shell before, or begins in it. ISO_ERR_LIMIT: more than 1024 voxels along an axis; ISO_ERR_NOMEM; ISO_ERR_IO as
- * above. */
+ * spline's: a ray that meets the spline's solid has met the shell before, or begins in it. ISO_ERR_LIMIT:
+ * more than 1024 voxels along an axis; ISO_ERR_NOMEM; ISO_ERR_IO as above. */
 iso_status iso_spline_refine(const iso_spline *spline, double isovalue, bool shell, iso_pool *pool,
                              iso_hgrid **refined, iso_error *error);
 
