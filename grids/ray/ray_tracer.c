@@ -35,6 +35,7 @@ struct iso_ray_tracer {
     double outward;    /* sign from gradient to outward normal: 1 for a level set, else -1 */
     const iso_ray_field *field; /* of `spline`; NULL: the field is trilinear */
     const iso_spline *spline;
+    const iso_hgrid *shell; /* of the spline, or NULL */
 };
 
 /* ---- the index over bricks */
@@ -70,8 +71,8 @@ iso_status iso_ray_tracer_create_with(const iso_grid *grid, double isovalue, uin
 }
 
 iso_status iso_ray_tracer_create_field(const iso_grid *grid, const iso_ray_field *field,
-                                       const iso_spline *spline, double isovalue, iso_pool *pool,
-                                       iso_ray_tracer **tracer, iso_error *error) {
+                                       const iso_spline *spline, double isovalue, const iso_hgrid *shell,
+                                       iso_pool *pool, iso_ray_tracer **tracer, iso_error *error) {
     int bricks[3];
     iso_grid_bricks(grid, bricks);
     const size_t rows = (size_t)bricks[1] * (size_t)bricks[2];
@@ -82,6 +83,7 @@ iso_status iso_ray_tracer_create_field(const iso_grid *grid, const iso_ray_field
     ISO_TRY(iso_ray_tracer_create_with(grid, isovalue, crossed, &made, error));
     made->field = field;
     made->spline = spline;
+    made->shell = shell;
     iso_parallel_until(pool, rows, mark_row, made);
     const iso_status status = iso_pool_check(pool, "the rays' index", error);
     if (status == ISO_OK)
@@ -93,7 +95,7 @@ iso_status iso_ray_tracer_create_field(const iso_grid *grid, const iso_ray_field
 
 iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool *pool,
                                  iso_ray_tracer **tracer, iso_error *error) {
-    return iso_ray_tracer_create_field(grid, NULL, NULL, isovalue, pool, tracer, error);
+    return iso_ray_tracer_create_field(grid, NULL, NULL, isovalue, NULL, pool, tracer, error);
 }
 
 void iso_ray_tracer_destroy(iso_ray_tracer *tracer) {
@@ -391,8 +393,8 @@ static void leave_box(iso_ray *ray, const int low[3], const int high[3], int axi
 /* Finds the crossings of a spline in the cell that the ray has just left. */
 static void cross_spline(const iso_ray_tracer *tracer, iso_ray *ray) {
     iso_spline_crossings found;
-    if (!tracer->field->cross(tracer->spline, tracer->isovalue, ray->current, ray->segment.from,
-                              ray->segment.to, &found)) {
+    if (!tracer->field->cross(tracer->spline, tracer->shell, tracer->isovalue, ray->current,
+                              ray->segment.from, ray->segment.to, &found)) {
         ray->chained = false;
         return;
     }

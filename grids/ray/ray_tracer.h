@@ -28,9 +28,10 @@ iso_status iso_ray_tracer_create(const iso_grid *grid, double isovalue, iso_pool
 iso_status iso_ray_tracer_create_with(const iso_grid *grid, double isovalue, uint8_t *crossed,
                                       iso_ray_tracer **tracer, iso_error *error);
 /* The same for a spline, which is borrowed, with its grid: every crossing, but for pairs that are nearer to
- * each other than 1e-9 of a cell. */
-iso_status iso_ray_tracer_create_spline(const iso_spline *spline, double isovalue, iso_pool *pool,
-                                        iso_ray_tracer **tracer, iso_error *error);
+ * each other than 1e-9 of a cell. shell: of the same isovalue (iso_spline_refine), with which rays pass cells
+ * outside sooner; borrowed, or NULL. */
+iso_status iso_ray_tracer_create_spline(const iso_spline *spline, double isovalue, const iso_hgrid *shell,
+                                        iso_pool *pool, iso_ray_tracer **tracer, iso_error *error);
 void iso_ray_tracer_destroy(iso_ray_tracer *tracer);
 
 /* Looks at the voxels of the bricks that the surface may cross, so that rays skip parts of them too: worth it

@@ -23,13 +23,13 @@ bool iso_spline_bernstein(double c[ISO_SPLINE_COEFFICIENTS], double isovalue) {
     for (int i = 0; i < 16; i++) to_bernstein(c + 4 * i, 1);
     for (int i = 0; i < 16; i++) to_bernstein(c + (i / 4 * 16 + i % 4), 4);
     for (int i = 0; i < 16; i++) to_bernstein(c + i, 16);
-    double lo = INFINITY, hi = -INFINITY, most = 0;
+    double lo = INFINITY, hi = -INFINITY;
     for (int i = 0; i < ISO_SPLINE_COEFFICIENTS; i++) {
-        lo = fmin(lo, c[i]);
-        hi = fmax(hi, c[i]);
-        most = fmax(most, fabs(c[i]));
+        lo = c[i] < lo ? c[i] : lo;
+        hi = c[i] > hi ? c[i] : hi;
     }
-    const double slack = 1e-12 * (most + fabs(isovalue)); /* two cells at a face agree on its side */
+    /* two cells at a face agree on its side */
+    const double slack = 1e-12 * (fmax(fabs(lo), fabs(hi)) + fabs(isovalue));
     return lo <= slack && hi >= -slack;
 }
 
@@ -143,12 +143,35 @@ static bool may_cross_brick(const iso_spline *spline, const int brick[3], double
     return iso_spline_may_cross(spline, brick, isovalue, NULL);
 }
 
-static bool cross(const iso_spline *spline, double isovalue, const int cell[3], const double from[3],
-                  const double to[3], iso_spline_crossings *crossings) {
+/* Whether the samples of the shell in a cell are outside. */
+static bool outside_shell(const iso_hgrid *shell, const int cell[3]) {
+    const int first[3] = {2 * cell[0], 2 * cell[1], 2 * cell[2]};
+    int within[3];
+    for (int i = 0; i < 3; i++) within[i] = first[i] % ISO_BRICK;
+    if (within[0] < ISO_BRICK - 2 && within[1] < ISO_BRICK - 2 && within[2] < ISO_BRICK - 2) {
+        const int32_t brick = shell->cell[iso_hgrid_cell_index(shell, first[0] / ISO_BRICK,
+                                                               first[1] / ISO_BRICK, first[2] / ISO_BRICK)];
+        if (brick < 0) return brick == ISO_CELL_OUTSIDE;
+        const float *from =
+            iso_hgrid_brick(shell, brick) + (within[2] * ISO_BRICK + within[1]) * ISO_BRICK + within[0];
+        for (int row = 0; row < 9; row++) {
+            const float *f = from + (row / 3 * ISO_BRICK + row % 3) * ISO_BRICK;
+            if (!(f[0] >= 0 && f[1] >= 0 && f[2] >= 0)) return false;
+        }
+        return true;
+    }
+    for (int i = 0; i < 27; i++)
+        if (!(iso_hgrid_at(shell, first[0] + i % 3, first[1] + i / 3 % 3, first[2] + i / 9) >= 0))
+            return false;
+    return true;
+}
+
+static bool cross(const iso_spline *spline, const iso_hgrid *shell, double isovalue, const int cell[3],
+                  const double from[3], const double to[3], iso_spline_crossings *crossings) {
     double c[ISO_SPLINE_COEFFICIENTS];
-    if (!iso_spline_may_cross_cells(spline, cell, 1, isovalue) || !iso_spline_cell(spline, cell, false, c) ||
-        !iso_spline_bernstein(c, isovalue))
+    if (shell ? outside_shell(shell, cell) : !iso_spline_may_cross_cells(spline, cell, 1, isovalue))
         return false;
+    if (!iso_spline_cell(spline, cell, false, c) || !iso_spline_bernstein(c, isovalue)) return false;
     iso_spline_cross(c, from, to, crossings);
     return true;
 }
@@ -165,10 +188,10 @@ static iso_vec3 gradient_at(const iso_spline *spline, const int cell[3], const d
     return (iso_vec3){gradient[0], gradient[1], gradient[2]};
 }
 
-iso_status iso_ray_tracer_create_spline(const iso_spline *spline, double isovalue, iso_pool *pool,
-                                        iso_ray_tracer **tracer, iso_error *error) {
+iso_status iso_ray_tracer_create_spline(const iso_spline *spline, double isovalue, const iso_hgrid *shell,
+                                        iso_pool *pool, iso_ray_tracer **tracer, iso_error *error) {
     static const iso_ray_field field = {may_cross_brick, iso_spline_may_cross_cells, cross, is_above,
                                         gradient_at};
-    return iso_ray_tracer_create_field(iso_spline_grid(spline), &field, spline, isovalue, pool, tracer,
+    return iso_ray_tracer_create_field(iso_spline_grid(spline), &field, spline, isovalue, shell, pool, tracer,
                                        error);
 }

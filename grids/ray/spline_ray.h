@@ -29,16 +29,16 @@ void iso_spline_cross(const double b[ISO_SPLINE_COEFFICIENTS], const double from
 typedef struct iso_ray_field {
     bool (*may_cross_brick)(const iso_spline *spline, const int brick[3], double isovalue);
     bool (*may_cross_cells)(const iso_spline *spline, const int cell[3], int side, double isovalue);
-    /* The crossings in a cell; false: the surface does not cross it, or it is empty. */
-    bool (*cross)(const iso_spline *spline, double isovalue, const int cell[3], const double from[3],
-                  const double to[3], iso_spline_crossings *crossings);
+    /* The crossings in a cell; false: the surface does not cross it, or it is empty. shell: or NULL. */
+    bool (*cross)(const iso_spline *spline, const iso_hgrid *shell, double isovalue, const int cell[3],
+                  const double from[3], const double to[3], iso_spline_crossings *crossings);
     bool (*is_above)(const iso_spline *spline, double isovalue, const int cell[3], const double local[3]);
     iso_vec3 (*gradient)(const iso_spline *spline, const int cell[3], const double local[3]);
 } iso_ray_field;
 
 /* As iso_ray_tracer_create, of a spline's field. */
 iso_status iso_ray_tracer_create_field(const iso_grid *grid, const iso_ray_field *field,
-                                       const iso_spline *spline, double isovalue, iso_pool *pool,
-                                       iso_ray_tracer **tracer, iso_error *error);
+                                       const iso_spline *spline, double isovalue, const iso_hgrid *shell,
+                                       iso_pool *pool, iso_ray_tracer **tracer, iso_error *error);
 
 #endif

@@ -1,10 +1,11 @@
 /* refined: the spline's samples at half the voxel spacing, near the surface. */
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
+#include "base/kernel_units.h"
 #include "base/memory.h"
 #include "grids/spline/spline.h"
+#include "grids/spline/spline_kernel.h"
 
 /* A brick of the refined grid, as a slot of iso_parallel_ordered keeps it. */
 typedef struct refined_brick {
@@ -18,6 +19,8 @@ typedef struct refining {
     const iso_spline *spline;
     float isovalue;
     bool level_set;
+    bool lowers; /* keep the shell; else the samples as they are */
+    iso_spline_shell_fn *shell;
     uint32_t *bricks; /* the numbers of the refined grid's cells that the surface may cross */
     iso_hgrid *refined;
     refined_brick *slots;
@@ -25,14 +28,8 @@ typedef struct refining {
     iso_error *error;
 } refining;
 
-/* A value of the refined grid. A voxel of a scan that equals the isovalue is inside, and 0 is outside. */
-static float refined_value(const refining *r, float value) {
-    if (r->level_set) return value - r->isovalue;
-    return value == r->isovalue ? -FLT_MIN : r->isovalue - value;
-}
-
 /* iso_ordered.work. A brick is kept if the surface, or the border of what is finite, crosses cells whose
- * normals depend on it. */
+ * normals depend on it, or if its shell begins. */
 static void sample_brick(void *context, size_t index, size_t slot, int worker) {
     (void)worker;
     refining *r = context;
@@ -40,16 +37,13 @@ static void sample_brick(void *context, size_t index, size_t slot, int worker) {
     iso_spline_samples samples;
     iso_hgrid_cell_position(r->refined, r->bricks[index], made->brick);
     iso_spline_sample(r->spline, made->brick, samples);
-    size_t inside = 0, outside = 0;
-    for (size_t i = 0; i < sizeof samples / sizeof *samples; i++) {
-        samples[i] = refined_value(r, samples[i]);
-        inside += samples[i] < 0;
-        outside += samples[i] >= 0;
-    }
-    const size_t all = sizeof samples / sizeof *samples;
-    made->kept = inside != all && outside != all && inside + outside > 0;
-    made->state = inside == all ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE;
-    for (int row = 0; made->kept && row < ISO_BRICK * ISO_BRICK; row++) {
+    iso_spline_shell s = {samples, r->isovalue, r->level_set, r->lowers ? made->values : NULL, 0, 0, 0};
+    r->shell(&s);
+    const int all = sizeof samples / sizeof *samples;
+    made->kept = s.inside != all && s.outside != all && s.inside + s.outside > 0;
+    made->kept |= s.lowered > 0 && s.outside == all;
+    made->state = s.inside == all ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE;
+    for (int row = 0; made->kept && !r->lowers && row < ISO_BRICK * ISO_BRICK; row++) {
         const int y = row % ISO_BRICK + 2, z = row / ISO_BRICK + 2;
         memcpy(made->values + row * ISO_BRICK,
                samples + (z * ISO_SPLINE_SAMPLES + y) * ISO_SPLINE_SAMPLES + 2, ISO_BRICK * sizeof *samples);
@@ -102,8 +96,8 @@ static iso_status sample_bricks(refining *r, double isovalue, iso_pool *pool) {
     return r->status == ISO_OK ? iso_pool_check(pool, "the smooth surface", r->error) : r->status;
 }
 
-iso_status iso_spline_refine(const iso_spline *spline, double isovalue, iso_pool *pool, iso_hgrid **out,
-                             iso_error *error) {
+iso_status iso_spline_refine(const iso_spline *spline, double isovalue, bool shell, iso_pool *pool,
+                             iso_hgrid **out, iso_error *error) {
     const iso_grid *grid = iso_spline_grid(spline);
     const int *dims = iso_grid_dims(grid);
     int fine[3];
@@ -121,6 +115,8 @@ iso_status iso_spline_refine(const iso_spline *spline, double isovalue, iso_pool
     refining r = {.spline = spline,
                   .isovalue = (float)isovalue,
                   .level_set = iso_grid_is_level_set(grid) != 0,
+                  .lowers = shell,
+                  .shell = ISO_KERNEL_UNIT(iso_spline_shell_units, iso_cpu_best()),
                   .error = error};
     ISO_TRY(iso_hgrid_create(fine, 0, &transform, &r.refined, error));
     const iso_status status = sample_bricks(&r, isovalue, pool);

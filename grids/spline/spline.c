@@ -50,6 +50,32 @@ static int mirrored(int i, int n) {
     return i < n ? i : period - i;
 }
 
+/* Rows of voxels that are all inside the volume. */
+#define READ_ROWS(type)                                                                                      \
+    do {                                                                                                     \
+        const type *row =                                                                                    \
+            (const type *)grid->data + lo[0] + lo[1] * grid->stride_y + lo[2] * grid->stride_z;              \
+        for (int z = 0; z < n[2]; z++, row += grid->stride_z - n[1] * grid->stride_y)                        \
+            for (int y = 0; y < n[1]; y++, row += grid->stride_y, to += n[0])                                \
+                for (int x = 0; x < n[0]; x++) to[x] = (float)row[x];                                        \
+    } while (0)
+
+static void read_rows(const iso_rgrid *grid, const int lo[3], const int n[3], float *to) {
+    switch (grid->type) {
+    case ISO_UINT8:
+        READ_ROWS(uint8_t);
+        break;
+    case ISO_INT16:
+        READ_ROWS(int16_t);
+        break;
+    case ISO_UINT16:
+        READ_ROWS(uint16_t);
+        break;
+    default:
+        READ_ROWS(float);
+    }
+}
+
 #define READ_ROW(type)                                                                                       \
     for (int x = 0; x < n; x++) to[x] = (float)((const type *)grid->data)[row + at[x]]
 
@@ -73,6 +99,12 @@ void iso_spline_read(const iso_grid *grid, const int lo[3], const int n[3], floa
     enum { MOST = 64 };
     const int *dims = iso_grid_dims(grid);
     int at[MOST];
+    bool inside = grid->rgrid != NULL;
+    for (int i = 0; i < 3; i++) inside &= lo[i] >= 0 && lo[i] + n[i] <= dims[i];
+    if (inside) {
+        read_rows(grid->rgrid, lo, n, to);
+        return;
+    }
     for (int x = 0; x < n[0]; x++) at[x] = mirrored(lo[0] + x, dims[0]);
     for (int z = 0; z < n[2]; z++)
         for (int y = 0; y < n[1]; y++, to += n[0]) {

@@ -75,8 +75,10 @@ void iso_spline_sample(const iso_spline *spline, const int block[3], iso_spline_
 /* Makes a sparse grid of the spline's samples at half the voxel spacing, of the bricks near the surface: a
  * level set whose zero is the surface, and whose trilinear surface is within a quarter of the trilinear
  * surface's error of the spline's. Its values are stored ones minus the isovalue, negative inside, and not
- * distances. ISO_ERR_LIMIT: more than 1024 voxels along an axis; ISO_ERR_NOMEM; ISO_ERR_IO as above. */
-iso_status iso_spline_refine(const iso_spline *spline, double isovalue, iso_pool *pool, iso_hgrid **refined,
-                             iso_error *error);
+ * distances. `shell`: values are lowered by bounds of that error, so that the trilinear surface encloses the
+ * spline's: a ray that meets the spline's solid has met the shell before, or begins in it. ISO_ERR_LIMIT:
+ * more than 1024 voxels along an axis; ISO_ERR_NOMEM; ISO_ERR_IO as above. */
+iso_status iso_spline_refine(const iso_spline *spline, double isovalue, bool shell, iso_pool *pool,
+                             iso_hgrid **refined, iso_error *error);
 
 #endif

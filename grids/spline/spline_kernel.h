@@ -20,4 +20,19 @@ typedef void iso_spline_sample_fn(const float *input, const iso_spline_weights *
 /* Every instruction set gives the same bytes. */
 ISO_KERNEL_UNITS(iso_spline_sample_fn, iso_spline_sample_units);
 
+/* The samples of a block, and their shell. */
+typedef struct iso_spline_shell {
+    float
+        *samples; /* become values that are negative inside: of a level set above the isovalue, else below */
+    float isovalue;
+    bool level_set;
+    float *values; /* NULL, or, if not all samples are inside, the shell's: the inner 16^3, lowered so
+                                that their trilinear surface encloses the spline's */
+    int inside, outside, lowered; /* numbers of samples; of values that are inside */
+} iso_spline_shell;
+
+typedef void iso_spline_shell_fn(iso_spline_shell *shell);
+/* Every instruction set gives the same bytes. */
+ISO_KERNEL_UNITS(iso_spline_shell_fn, iso_spline_shell_units);
+
 #endif

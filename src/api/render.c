@@ -356,6 +356,7 @@ static iso_status set_up_layers(rendering *r, const iso_render_opts *opts, iso_e
                                                .constant = opts->constant_opacity,
                                                .absorption_length = (float)opts->absorption_length,
                                                .most_layers = opts->most_layers}};
+        r->surfaces[i]->scene.layered = r->layered[i].translucency.opacity < 1;
         r->translucent |= r->layered[i].translucency.opacity < 1;
         if (r->surfaces[i]->cloud) r->translucent |= set_up_opacities(r, r->surfaces[i]->cloud);
     }

@@ -94,10 +94,10 @@ static iso_status draw_hybrid(const iso_scene_surface *surface, const iso_target
 
 static iso_status draw_exact(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
     const iso_target to = clipped(surface, target);
-    ISO_TRY(iso_draw_exact(&to, surface->exact, error));
-    if (surface->spline)
-        iso_exact_move_to_spline(&to, surface->spline, iso_grid_stored(&surface->grid, surface->isovalue));
-    return ISO_OK;
+    if (!surface->spline) return iso_draw_exact(&to, surface->exact, error);
+    const iso_exact_spline of = {surface->exact, surface->spline, surface->tracer,
+                                 iso_grid_stored(&surface->grid, surface->isovalue)};
+    return iso_draw_exact_spline(&to, &of, error);
 }
 
 static iso_status draw_raycast(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {

@@ -37,6 +37,8 @@ static void free_refined(iso_scene_surface *surface) {
     iso_exact_destroy(surface->exact);
     surface->exact = NULL;
     iso_hgrid_destroy(surface->refined);
+    iso_ray_tracer_destroy(surface->tracer);
+    surface->tracer = NULL;
     surface->refined = NULL;
 }
 
@@ -76,12 +78,17 @@ static iso_status update_cells(iso_scene_surface *surface, iso_error *error) {
         if (!surface->exact) ISO_TRY(iso_exact_create(&surface->grid, &opts, &surface->exact, error));
         return iso_exact_update(surface->exact, error);
     }
-    if (surface->refined && surface->refined_for != surface->isovalue) free_refined(surface);
-    if (surface->refined && surface->exact) return ISO_OK;
+    if (surface->exact && surface->refined && surface->refined_for == surface->isovalue &&
+        surface->refined_layered == surface->layered)
+        return ISO_OK;
     free_refined(surface);
     surface->refined_for = surface->isovalue;
+    surface->refined_layered = surface->layered;
     ISO_TRY(iso_spline_refine(surface->spline, iso_grid_stored(&surface->grid, surface->isovalue),
-                              surface->pool, &surface->refined, error));
+                              !surface->layered, surface->pool, &surface->refined, error));
+    if (!surface->layered)
+        ISO_TRY(iso_ray_tracer_create_spline(surface->spline, surface->isovalue, surface->refined,
+                                             surface->pool, &surface->tracer, error));
     opts.isovalue = 0;
     opts.cell_side = 0.5;
     const iso_grid grid = {NULL, surface->refined};

@@ -9,6 +9,7 @@
 #include "extract/mesh/mesh.h"
 #include "extract/points/points.h"
 #include "grids/grid.h"
+#include "grids/ray/ray_tracer.h"
 #include "grids/spline/spline.h"
 #include "render/groups/groups.h"
 #include "render/point_surface.h"
@@ -49,6 +50,7 @@ typedef struct iso_scene_surface {
     const struct iso_label_colors *labels; /* the colours of its labels; borrowed; NULL: it has one colour */
     /* How it is coloured by data in pictures (ISO_CAN_COLORS); borrowed; NULL: in one colour. */
     const struct iso_coloring *coloring;
+    bool layered;      /* pictures show it translucent; may be changed */
     iso_filter filter; /* of the parts CELLS and CASTER; may be changed; the other parts are trilinear */
     double lod_pixels; /* the most that levels of detail are wrong by; 0: all points are drawn */
     /* Of the methods that draw points. NULL: one is made with the points, and owned. */
@@ -62,9 +64,11 @@ typedef struct iso_scene_surface {
     /* Smooth surfaces: the spline, and its samples, whose cells `exact` has; NULL: none is needed yet. */
     iso_spline *spline;
     iso_hgrid *refined;
-    iso_filter splined;   /* what filter the spline has, */
-    uint64_t spline_edit; /* after which of the grid's edits it was computed, */
-    double refined_for;   /* and the isovalue of its samples */
+    iso_ray_tracer *tracer; /* of the spline, for the samples that `exact` alone cannot draw */
+    iso_filter splined;     /* what filter the spline has, */
+    uint64_t spline_edit;   /* after which of the grid's edits it was computed, */
+    double refined_for;     /* and the isovalue of its samples, */
+    bool refined_layered;   /* and whether they are for layers */
     iso_groups groups;
     iso_transparency grouped_for;     /* what the groups were made for */
     double isovalues[ISO_PART_COUNT]; /* with which each part was computed last; NAN: not yet as a whole */

@@ -16,8 +16,9 @@ static iso_status create(const iso_grid *grid, const iso_spline *spline, double 
     const double *spacing = iso_grid_transform(grid)->spacing;
     caster->level_set = iso_grid_is_level_set(grid);
     caster->voxel = fmin(spacing[0], fmin(spacing[1], spacing[2]));
-    iso_status status = spline ? iso_ray_tracer_create_spline(spline, isovalue, pool, &caster->tracer, error)
-                               : iso_ray_tracer_create(grid, isovalue, pool, &caster->tracer, error);
+    iso_status status =
+        spline ? iso_ray_tracer_create_spline(spline, isovalue, NULL, pool, &caster->tracer, error)
+               : iso_ray_tracer_create(grid, isovalue, pool, &caster->tracer, error);
     if (status == ISO_OK) status = iso_ray_tracer_refine(caster->tracer, pool, error);
     if (status == ISO_OK)
         *out = caster;

@@ -16,7 +16,8 @@
 #include "grids/spline/spline.h"
 #include "scene/method.h"
 
-enum { SIDE = 40, SIZE = 320, VOXELS = SIDE * SIDE * SIDE };
+enum { SIDE = 40, SIZE = 160, VOXELS = SIDE * SIDE * SIDE, SURFACE = 3, PLANE = 7 };
+static const float PLANE_DEPTH = 500;
 static const double CENTRE[3] = {19.63, 19.27, 19.81};
 
 /* ---- solids: signed distances, below 0 inside */
@@ -94,14 +95,14 @@ static double isovalue_of(const solid *s) {
     return s->scan ? 50 + 153 * 0.5 : 0;
 }
 
-static iso_view view_of(double zoom) {
+static iso_view view_of(double zoom, double turn) {
     iso_box box = {{0, 0, 0}, {SIDE - 1, SIDE - 1, SIDE - 1}};
     iso_camera camera = {.view_angle = 30, .orthographic = true};
     iso_vec3 forward;
     iso_direction_vectors(ISO_FRONT, iso_vec3_make(0, 0, 1), &forward, &camera.view_up);
     camera.position = iso_vec3_scale(forward, -1);
     iso_camera_fit(&camera, &box, 1, 1);
-    iso_camera_orbit(&camera, 33, 41);
+    iso_camera_orbit(&camera, turn, 41);
     iso_camera_zoom(&camera, zoom);
     return iso_view_make(&camera, SIZE, SIZE);
 }
@@ -115,12 +116,16 @@ static iso_gbuffer draw(iso_rgrid *grid, double isovalue, iso_filter filter, iso
     iso_error error = {0};
     assert_int_equal(iso_gbuffer_create(SIZE, SIZE, &to, NULL), ISO_OK);
     iso_gbuffer_clear(&to);
+    for (int i = 0; i < SIZE * SIZE && method == ISO_METHOD_EXACT; i++) {
+        to.depth[i] = PLANE_DEPTH; /* farther than the solids */
+        to.surface[i] = PLANE;
+    }
     memset(to.normal[0], 0, SIZE * SIZE * sizeof(float));
     memset(to.normal[1], 0, SIZE * SIZE * sizeof(float));
     memset(to.normal[2], 0, SIZE * SIZE * sizeof(float));
     const iso_part part = method == ISO_METHOD_EXACT ? ISO_PART_CELLS : ISO_PART_CASTER;
     test_ok(iso_scene_surface_update(&surface, part, &error), &error);
-    const iso_target target = {.view = view, .gbuffer = &to, .pool = pool, .surface = 3};
+    const iso_target target = {.view = view, .gbuffer = &to, .pool = pool, .surface = SURFACE};
     test_ok(renderer->draw(&surface, &target, &error), &error);
     iso_scene_surface_free(&surface);
     return to;
@@ -133,7 +138,7 @@ static void measure(const iso_gbuffer *g, const iso_view *view, solid_fn *distan
     double squares = 0, angles = 0;
     size_t count = 0;
     for (int i = 0; i < SIZE * SIZE; i++) {
-        if (g->surface[i] == ISO_SURFACE_NONE) continue;
+        if (g->surface[i] != SURFACE) continue;
         iso_vec3 origin, direction;
         iso_view_ray(view, i % SIZE + 0.5, i / SIZE + 0.5, &origin, &direction);
         const iso_vec3 at = iso_vec3_add(origin, iso_vec3_scale(direction, (double)g->depth[i]));
@@ -153,7 +158,7 @@ static void measure(const iso_gbuffer *g, const iso_view *view, solid_fn *distan
         angles += angle * angle;
         count++;
     }
-    assert_true(count > 5000);
+    assert_true(count > 3000);
     *position = sqrt(squares / (double)count);
     *normal = sqrt(angles / (double)count);
 }
@@ -168,7 +173,7 @@ enum { SOLID_COUNT = sizeof SOLIDS / sizeof *SOLIDS };
 
 static void surfaces_are_near_analytic_ones(void **state) {
     (void)state;
-    const iso_view view = view_of(1.1);
+    const iso_view view = view_of(1.1, 33);
     for (int i = 0; i < SOLID_COUNT; i++) {
         const solid *s = &SOLIDS[i];
         iso_rgrid *grid = make_grid(s);
@@ -194,52 +199,54 @@ static void surfaces_are_near_analytic_ones(void **state) {
     }
 }
 
-/* The number of samples beside which a neighbour shows nothing, or something more than a voxel behind. */
-static int outline_length(const iso_gbuffer *g) {
-    int length = 0;
+/* What exact draws, without and behind which there is a far plane, against the ray caster's picture. Returns
+ * the number of samples beyond 1e-3 voxel. */
+static int compare_pictures(const solid *s, iso_rgrid *grid, iso_filter filter, double zoom, double turn,
+                            int *hits) {
+    iso_view view = view_of(zoom, turn);
+    iso_gbuffer a = draw(grid, isovalue_of(s), filter, ISO_METHOD_EXACT, &view, NULL),
+                b = draw(grid, isovalue_of(s), filter, ISO_METHOD_RAYCAST, &view, NULL);
+    int missing = 0, extra = 0, deep = 0, tilted = 0, found = 0;
+    double farthest = 0;
     for (int k = 0; k < SIZE * SIZE; k++) {
-        if (g->surface[k] == ISO_SURFACE_NONE) continue;
-        const int x = k % SIZE, y = k / SIZE,
-                  beside[4] = {x > 0 ? k - 1 : k, x + 1 < SIZE ? k + 1 : k, y > 0 ? k - SIZE : k,
-                               y + 1 < SIZE ? k + SIZE : k};
-        bool edge = false;
-        for (int i = 0; i < 4; i++) edge |= g->depth[beside[i]] > g->depth[k] + 1;
-        length += edge;
+        const bool has[2] = {a.surface[k] == SURFACE, b.surface[k] == SURFACE};
+        missing += !has[0] && has[1];
+        extra += has[0] && !has[1];
+        if (!has[0]) assert_true(a.surface[k] == PLANE && a.depth[k] == PLANE_DEPTH);
+        if (!has[0] || !has[1]) continue;
+        found++;
+        const double off = fabs((double)a.depth[k] - (double)b.depth[k]);
+        farthest = fmax(farthest, off);
+        deep += off > 1e-3;
+        tilted +=
+            iso_vec3_dot(iso_gbuffer_normal(&a, (size_t)k), iso_gbuffer_normal(&b, (size_t)k)) < 0.99999;
     }
-    return length;
+    if (missing || extra || deep || tilted)
+        printf(
+            "%s, %s, %.1f pixels a voxel, turned by %.0f: of %d samples %d missing, %d extra, %d beyond 1e-3 "
+            "voxel (%.2g), %d tilted\n",
+            s->name, iso_filter_names[filter], view.focal, turn, found, missing, extra, deep, farthest,
+            tilted);
+    assert_true(missing == 0 && extra == 0 && tilted <= 5);
+    *hits += found;
+    iso_gbuffer_free(&a);
+    iso_gbuffer_free(&b);
+    return deep;
 }
 
 static void exact_draws_what_the_ray_caster_draws(void **state) {
     (void)state;
-    for (int i = 0; i < 2 * SOLID_COUNT; i++) {
-        const solid *s = &SOLIDS[i % SOLID_COUNT];
-        const iso_view view = view_of(i < SOLID_COUNT ? 1.1 : 6);
-        iso_rgrid *grid = make_grid(s);
-        iso_gbuffer a = draw(grid, isovalue_of(s), ISO_FILTER_CUBIC, ISO_METHOD_EXACT, &view, NULL),
-                    b = draw(grid, isovalue_of(s), ISO_FILTER_CUBIC, ISO_METHOD_RAYCAST, &view, NULL);
-        int missing = 0, extra = 0, deep = 0, tilted = 0, hits = 0;
-        for (int k = 0; k < SIZE * SIZE; k++) {
-            const bool has[2] = {a.surface[k] != ISO_SURFACE_NONE, b.surface[k] != ISO_SURFACE_NONE};
-            missing += !has[0] && has[1];
-            extra += has[0] && !has[1];
-            if (!has[0] || !has[1]) continue;
-            hits++;
-            const bool far = fabsf(a.depth[k] - b.depth[k]) > 1e-3f;
-            deep += far;
-            tilted += !far && iso_vec3_dot(iso_gbuffer_normal(&a, (size_t)k),
-                                           iso_gbuffer_normal(&b, (size_t)k)) < 0.99999;
-        }
-        const int outline = outline_length(&b);
-        printf("%s at %.1f pixels a voxel: of %d samples, %d of them outlines, %d missing, %d extra, %d "
-               "beyond 1e-3 voxel, %d tilted\n",
-               s->name, view.focal, hits, outline, missing, extra, deep, tilted);
-        /* The samples at half the spacing, from which Newton's method starts, lose a hem of each outline:
-         * there is nothing, or what lies behind it. */
-        assert_true(missing + deep <= 0.012 * view.focal * outline && extra <= 3 && tilted <= hits / 1000);
-        iso_gbuffer_free(&a);
-        iso_gbuffer_free(&b);
+    static const double zooms[] = {0.4, 1.7, 9};
+    int hits = 0, deep = 0;
+    for (int i = 0; i < SOLID_COUNT; i++) {
+        iso_rgrid *grid = make_grid(&SOLIDS[i]);
+        for (int k = 0; k < 12; k++)
+            deep += compare_pictures(&SOLIDS[i], grid, k % 2 ? ISO_FILTER_CUBIC : ISO_FILTER_INTERPOLATING,
+                                     zooms[k / 2 % 3], 33 + 50 * k + 17 * i, &hits);
         iso_rgrid_destroy(grid);
     }
+    printf("%d samples of 48 pictures, none missing, %d beyond 1e-3 voxel\n", hits, deep);
+    assert_true(hits > 400000 && deep <= 10);
 }
 
 static bool same(const iso_gbuffer *a, const iso_gbuffer *b) {
@@ -253,7 +260,7 @@ static void bytes_are_the_same_everywhere(void **state) {
     (void)state;
     iso_pool *pool;
     assert_int_equal(iso_pool_create(3, &pool, NULL), ISO_OK);
-    const iso_view view = view_of(2);
+    const iso_view view = view_of(2, 33);
     for (int i = 0; i < SOLID_COUNT; i++)
         for (iso_filter filter = ISO_FILTER_CUBIC; filter <= ISO_FILTER_INTERPOLATING; filter++) {
             iso_rgrid *grid = make_grid(&SOLIDS[i]);
@@ -337,7 +344,7 @@ static void samples_are_values(void **state) {
 static void a_voxel_that_is_not_finite_empties_cells(void **state) {
     (void)state;
     iso_rgrid *grid = make_grid(&SOLIDS[0]);
-    const iso_view view = view_of(1.1);
+    const iso_view view = view_of(1.1, 33);
     iso_gbuffer whole = draw(grid, 0, ISO_FILTER_CUBIC, ISO_METHOD_EXACT, &view, NULL);
     ((float *)grid->data)[(20 * SIDE + 12) * SIDE + 20] = NAN; /* on the surface, in front */
     iso_gbuffer a = draw(grid, 0, ISO_FILTER_CUBIC, ISO_METHOD_EXACT, &view, NULL),
@@ -345,10 +352,10 @@ static void a_voxel_that_is_not_finite_empties_cells(void **state) {
     int holes = 0, differ = 0;
     for (int i = 0; i < SIZE * SIZE; i++) {
         holes += a.surface[i] != whole.surface[i] || a.depth[i] > whole.depth[i] + 1;
-        differ += fabsf(a.depth[i] - b.depth[i]) > 1e-3f;
+        differ += fabsf(a.depth[i] - fminf(b.depth[i], PLANE_DEPTH)) > 1e-3f;
     }
     printf("%d samples of the hole, %d differ from the ray caster's\n", holes, differ);
-    assert_true(holes > 500 && differ < holes / 50);
+    assert_true(holes > 150 && differ <= holes / 100);
     iso_error error = {0};
     iso_spline *spline;
     assert_int_equal(
