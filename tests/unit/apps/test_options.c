@@ -216,7 +216,7 @@ static void test_usage_errors(void **state) {
     expect_failure("--color 010203 --color 010203 x.vti", ISO_ERR_USAGE, "2 colours for 1 isovalue");
     expect_failure("--samples 3 x.vti", ISO_ERR_USAGE, "square number");
     expect_failure("--samples 81 x.vti", ISO_ERR_USAGE, "square number");
-    expect_failure("--resolution 640 x.vti", ISO_ERR_USAGE, "WxH");
+    expect_failure("--resolution 640x x.vti", ISO_ERR_USAGE, "WxH");
     expect_failure("--resolution 0x480 x.vti", ISO_ERR_USAGE, "1 to 16384");
     expect_failure("--resolution 16385x480 x.vti", ISO_ERR_USAGE, "1 to 16384");
     expect_failure("--method splat x.vti", ISO_ERR_USAGE,
