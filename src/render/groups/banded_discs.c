@@ -10,7 +10,7 @@
 #include "base/numbers.h"
 #include "render/groups/disc_hits.h"
 
-enum { CHUNK = 4096 }; /* number of points that one task projects */
+enum { TASK_POINTS = 4096 }; /* number of points that one task projects */
 
 /* A part of a span, with the results of projecting it. */
 typedef struct chunk {
@@ -169,14 +169,14 @@ static iso_status make_chunks(projection *p, iso_error *error) {
         const iso_point_span *span = &p->points->spans[s];
         if (span->first + span->count >= UINT32_MAX)
             return iso_fail(error, ISO_ERR_LIMIT, "2^32 - 1 points or more");
-        count += ((size_t)span->count + CHUNK - 1) / CHUNK;
+        count += ((size_t)span->count + TASK_POINTS - 1) / TASK_POINTS;
     }
     p->chunks = iso_alloc_zero(count, sizeof *p->chunks);
     if (!p->chunks) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu parts of points", count);
     for (size_t s = 0; s < p->points->span_count; s++)
-        for (uint32_t done = 0; done < p->points->spans[s].count; done += CHUNK) {
+        for (uint32_t done = 0; done < p->points->spans[s].count; done += TASK_POINTS) {
             const iso_point_span *span = &p->points->spans[s];
-            const uint32_t left = span->count - done, taken = left < CHUNK ? left : CHUNK;
+            const uint32_t left = span->count - done, taken = left < TASK_POINTS ? left : TASK_POINTS;
             p->chunks[p->chunk_count++] =
                 (chunk){.span = span, .first = span->first + done, .disc = disc, .count = taken};
             disc += taken;
