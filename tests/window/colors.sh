@@ -9,17 +9,6 @@ open_display
 cd "$work" || exit 1
 cp "$volumes/stent.nrrd" stent.nrrd
 
-# option PICTURE NAME: the option's value in the picture's scene
-option() {
-    "$bin/isorender" --again "$1.png" --save-scene "$1.json" -o again.png --quiet
-    sed -n "s/^ *\"$2\": \"\{0,1\}\([^\"]*\).*/\1/p" "$1.json" | head -1
-}
-# again NAME: the scene in the picture is the picture
-again() {
-    "$bin/isorender" --again "$1.png" -o again.png --quiet || fail "$1.png: its scene cannot be drawn"
-    look same "$1.png" again.png 0 || fail "$1.png: isorender draws another picture than the window's"
-}
-
 # ---- by curvature, chosen in the panel's section, at the bottom of the panel
 window_program stent.nrrd --isovalue 300
 until_ "the volume" title_is 'stent.nrrd'
@@ -33,7 +22,7 @@ colored() { picture "$1" && [ "$(option "$1" surface-color-by)" = "$2" ]; }
 press 110 645
 press 48 694
 until_ "colours by curvature" colored curvature curvature
-again curvature
+redrawn curvature
 differ plain curvature || fail "the surface is not coloured"
 whole_window bar
 look color bar.png 224 224 224 1180,20,1270,230 20 >/dev/null || fail "no bar of the numbers"
@@ -42,11 +31,11 @@ look color bar.png 224 224 224 1180,20,1270,230 20 >/dev/null || fail "no bar of
 xdotool mousemove 60 701 sleep 0.3 mousedown 1 sleep 0.3 mousemove 70 701 sleep 0.2 mousemove 100 701 sleep 0.3 mouseup 1
 ranged() { picture ranged && [ -n "$(option ranged range)" ]; }
 until_ "a range" ranged
-again ranged
+redrawn ranged
 drag 1 700 400 80 30
 turned() { picture turned && differ ranged turned; }
 until_ "another camera" turned
-again turned
+redrawn turned
 [ "$(option turned range)" = "$(option ranged range)" ] || fail "the range changed with the camera"
 
 # ---- another map, and the range of the surface again; by depth, whose range is the view's
@@ -54,20 +43,20 @@ press 110 673
 press 48 545
 mapped() { picture mapped && [ -n "$(option mapped colormap)" ]; }
 until_ "another map" mapped
-again mapped
+redrawn mapped
 press 80 729
 found() { picture found && [ -z "$(option found range)" ]; }
 until_ "the surface's own range" found
-again found
+redrawn found
 press 110 645
 press 48 714
 until_ "colours by depth" colored depth depth
-again depth
+redrawn depth
 press 110 645
 press 48 674
 uncolored() { picture uncolored && [ -z "$(option uncolored surface-color-by)" ]; }
 until_ "no colours" uncolored
-again uncolored
+redrawn uncolored
 
 # ---- by another volume, chosen in the dialog: here of the same values, upside down
 python3 - <<'PYTHON'
@@ -80,7 +69,7 @@ until_ "the dialog" is_modal
 xdotool type "$work/other.nrrd"
 key Return
 until_ "colours by a volume" colored volume other.nrrd
-again volume
+redrawn volume
 stop
 
 # ---- the picture opens as it was shown; so does a scene with two surfaces, of which one is translucent
@@ -96,7 +85,7 @@ window_program figure.json
 until_ "the scene's volume" title_is 'stent.nrrd'
 picture scene_opened
 look same scene.png scene_opened.png 0 || fail "the scene is opened as another picture"
-again scene_opened
+redrawn scene_opened
 stop
 
 # ---- a volume that is gone is missed by name, and distances are refused; the picture is there, without colours

@@ -9,17 +9,6 @@ open_display
 cd "$work" || exit 1
 cp "$volumes/stent.nrrd" stent.nrrd
 
-# option PICTURE NAME: the option's value in the picture's scene
-option() {
-    "$bin/isorender" --again "$1.png" --save-scene "$1.json" -o again.png --quiet
-    sed -n "s/^ *\"$2\": \"\{0,1\}\([^\"]*\).*/\1/p" "$1.json" | head -1
-}
-# again NAME [N]: the scene in the picture is the picture, but for N pixels
-again() {
-    "$bin/isorender" --again "$1.png" -o again.png --quiet || fail "$1.png: its scene cannot be drawn"
-    look same "$1.png" again.png "${2:-0}" || fail "$1.png: isorender draws another picture than the window's"
-}
-
 # ---- K puts a plane through the middle, which faces the eye; its cap has the surface's colour
 window_program stent.nrrd --isovalue 300
 until_ "the volume" title_is 'stent.nrrd'
@@ -27,7 +16,7 @@ picture whole
 key k
 is_cut() { picture cut && differ whole cut; }
 until_ "a cut" is_cut
-again cut
+redrawn cut
 [ "$(option cut cap)" = surface ] || fail "no cap"
 [ "$(option cut clip | cut -d: -f2)" = 0,-1,0 ] || fail "the plane does not face the eye"
 
@@ -39,7 +28,7 @@ until_ "a plane that moves while it is dragged" live
 xdotool mousemove 792 370 mouseup 1
 moved() { picture moved && differ live moved; }
 until_ "the plane moved" moved
-again moved
+redrawn moved
 awk -v a="$(at cut)" -v b="$(at live)" -v c="$(at moved)" 'BEGIN { exit !(a < b && b < c) }' ||
     fail "the plane moved from $(at cut) to $(at live) and $(at moved)"
 [ "$(option moved clip | cut -d: -f2)" = 0,-1,0 ] || fail "the plane was turned, not moved"
@@ -50,7 +39,7 @@ keydown() { xdotool keydown shift; drag 1 640 400 -60 0; xdotool keyup shift; }
 keydown
 tilted() { picture tilted && differ moved tilted; }
 until_ "the plane tilted" tilted
-again tilted
+redrawn tilted
 [ "$(option tilted clip | cut -d: -f1)" = "$(option moved clip | cut -d: -f1)" ] || fail "the tilted plane was moved"
 awk -F'[:,]' '{ exit !($4 < -0.3 && $5 < -0.5) }' <<<"$(option tilted clip)" || fail "it was tilted to $(option tilted clip)"
 whole_window handle
@@ -63,28 +52,28 @@ press 110 673
 press 52 763
 sliced() { picture sliced && [ "$(option sliced cap)" = slice ]; }
 until_ "a cap that shows the volume" sliced
-again sliced
+redrawn sliced
 differ sliced tilted || fail "the volume is not shown"
 
 # ---- O: occlusion, at rest
 key o
 lit() { picture lit && differ lit sliced; }
 until_ "occlusion" lit
-again lit
+redrawn lit
 
 # ---- the look for figures on white paper, with outlines
 press 110 786
 press 48 697
 paper() { picture paper && [ "$(option paper background)" = FFFFFF ]; }
 until_ "the look for paper" paper
-again paper
+redrawn paper
 [ "$(option paper outline)" = 1 ] || fail "the look for paper has no outlines"
 
 # ---- K again: nothing is cut
 key k
 uncut() { picture uncut && [ -z "$(option uncut clip)" ]; }
 until_ "no cut" uncut
-again uncut
+redrawn uncut
 stop
 
 # ---- the picture opens as it was shown; so does a scene with cuts of all kinds, two surfaces, and a cap
@@ -100,7 +89,7 @@ window_program figure.json
 until_ "the scene's volume" title_is 'stent.nrrd'
 picture scene_opened
 look same scene.png scene_opened.png 0 || fail "the scene is opened as another picture"
-again scene_opened
+redrawn scene_opened
 for name in clip cap window opacity; do
     [ "$(option scene_opened $name)" = "$(option scene $name)" ] || fail "--$name of the scene is $(option scene_opened $name)"
 done

@@ -127,6 +127,16 @@ window_program() {
 }
 # look ...: answers a question about a picture (look.py)
 look() { python3 "$here/look.py" "$@"; }
+# option PICTURE NAME: the option's value in the picture's scene
+option() {
+    "$bin/isorender" --again "$1.png" --save-scene "$1.json" -o again.png --quiet
+    sed -n "s/^ *\"$2\": \"\{0,1\}\([^\"]*\).*/\1/p" "$1.json" | head -1
+}
+# redrawn PICTURE [N]: isorender draws the picture again from the scene in it, but for N pixels
+redrawn() {
+    "$bin/isorender" --again "$1.png" -o again.png --quiet || fail "$1.png: its scene cannot be drawn"
+    look same "$1.png" again.png "${2:-0}" || fail "$1.png: isorender draws another picture than the window's"
+}
 # Whether a dialog is open: the rest of the window is dark then.
 is_modal() { whole_window modal && look modal "$work/modal.png"; }
 is_not_modal() { ! is_modal; }
