@@ -692,12 +692,11 @@ typedef struct iso_render_opts {
     const iso_glass_opts *glass;
     iso_aov *aov; /* receives depth, normals and coverage, and with shapes also ids; NULL: not wanted */
     /* What is cut away, to show what lies behind it, as isorender's --clip says it: "x<12" (y, z, >), "x"
-     * (below
-     * the middle of everything), "X,Y,Z:NX,NY,NZ", "camera:30" (mm behind the nearest corner of the box
-     * around everything),
-     * "box:X0,Y0,Z0,X1,Y1,Z1" or "sphere:X,Y,Z,R"; "keep:" before it keeps only that; "@2,3" behind it cuts
-     * only these surfaces, lines, glyphs and meshes (from 1, in this order). At most 16, for EXACT, MESH,
-     * RAYCAST and discs; of points the discs, and the centres of Gaussians. */
+     * (below the middle of the first surface's volume, or of everything), "X,Y,Z:NX,NY,NZ", "camera:30"
+     * (mm behind the nearest corner of the box around everything), "box:X0,Y0,Z0,X1,Y1,Z1" or
+     * "sphere:X,Y,Z,R"; "keep:" before it keeps only that; "@2,3" behind it cuts only these surfaces,
+     * lines, glyphs and meshes (from 1, in this order). At most 16, for EXACT, MESH, RAYCAST and discs;
+     * of points the discs, and the centres of Gaussians. */
     const char *const *clips;
     int clip_count;
     iso_cut_cap cap;      /* how cuts are closed */

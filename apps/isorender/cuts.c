@@ -108,10 +108,6 @@ static iso_vec3 row(const double *m) {
     return iso_vec3_make(m[0], m[1], m[2]);
 }
 
-static iso_vec3 middle_of(const iso_vec3 *a, const iso_vec3 *b) {
-    return iso_vec3_scale(iso_vec3_add(*a, *b), 0.5);
-}
-
 /* A corner of the volume: of its first or last voxels along each axis, by the bits of `which`. */
 static iso_vec3 volume_corner(const isorender_job *job, int which) {
     const iso_volume_info *info = &job->loader.volume.info;
@@ -123,9 +119,10 @@ static iso_vec3 volume_corner(const isorender_job *job, int which) {
 
 iso_cut isorender_cut_placed(const isorender_job *job, const iso_cut *cut) {
     iso_cut placed = *cut;
-    const iso_vec3 first = job->has_volume ? volume_corner(job, 0) : job->bounds_world.lo,
-                   last = job->has_volume ? volume_corner(job, 7) : job->bounds_world.hi;
-    iso_cut_set_middle(&placed, middle_of(&first, &last));
+    const iso_volume_info *info = &job->loader.volume.info;
+    const iso_box *all = &job->bounds_world;
+    iso_cut_set_middle(&placed, job->has_volume ? iso_cut_middle(&info->transform, info->dims)
+                                                : iso_vec3_scale(iso_vec3_add(all->lo, all->hi), 0.5));
     return placed;
 }
 

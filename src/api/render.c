@@ -455,8 +455,11 @@ static double front_of(const iso_box *box, const iso_camera *camera) {
 static void begin_cuts(rendering *r, const iso_box *box) {
     const iso_render_opts *o = r->opts;
     if (!r->clips) return;
-    for (int i = 0; i < o->clip_count; i++)
-        iso_cut_set_middle(&r->cuts[i], iso_vec3_scale(iso_vec3_add(box->lo, box->hi), 0.5));
+    const iso_grid *grid = r->count ? &r->surfaces[0]->scene.grid : NULL;
+    const iso_vec3 middle = grid && (grid->rgrid || grid->hgrid)
+                                ? iso_cut_middle(iso_grid_transform(grid), iso_grid_dims(grid))
+                                : iso_vec3_scale(iso_vec3_add(box->lo, box->hi), 0.5);
+    for (int i = 0; i < o->clip_count; i++) iso_cut_set_middle(&r->cuts[i], middle);
     for (int i = 0; i < r->count + r->shapes_count; i++)
         r->clips[i] = iso_cuts_clip(r->cuts, o->clip_count, i, &r->camera, front_of(box, &r->camera));
     for (int i = 0; i < r->shapes_count; i++) r->objects[i].clip = &r->clips[r->count + i];

@@ -174,6 +174,12 @@ iso_status iso_cut_parse_plane(const char *text, iso_cut *plane, iso_error *erro
                     "'%s' is not a plane: x=MM, x (in the middle), X,Y,Z:NX,NY,NZ or camera:MM", text);
 }
 
+iso_vec3 iso_cut_middle(const iso_transform *transform, const int dims[3]) {
+    const iso_affine affine = iso_transform_affine(transform);
+    return iso_affine_point(&affine,
+                            iso_vec3_make((dims[0] - 1) / 2.0, (dims[1] - 1) / 2.0, (dims[2] - 1) / 2.0));
+}
+
 void iso_cut_set_middle(iso_cut *cut, iso_vec3 middle) {
     double *face = cut->body.face[0];
     if (cut->by_middle) face[3] = face[0] * middle.x + face[1] * middle.y + face[2] * middle.z;

@@ -49,6 +49,8 @@ iso_status iso_cut_parse(const char *text, iso_cut *cut, iso_error *error);
  * before it. ISO_ERR_USAGE. */
 iso_status iso_cut_parse_plane(const char *text, iso_cut *plane, iso_error *error);
 
+/* The middle of a volume, for iso_cut_set_middle: the same in every program. */
+iso_vec3 iso_cut_middle(const iso_transform *transform, const int dims[3]);
 /* Moves the plane of a cut by the middle to `middle`; others stay. */
 void iso_cut_set_middle(iso_cut *cut, iso_vec3 middle);
 

@@ -95,6 +95,15 @@ for name in clip cap window opacity; do
 done
 stop
 
+# ---- a plane through the middle is in the middle of the volume, not of the surface
+"$bin/isorender" stent.nrrd --isovalue 700 --color CC8866 --background 2E3238 --clip axial --cap surface \
+    --resolution 976x800 --samples 4 --output axial.png --save-scene axial.json --quiet || fail "isorender saves no scene"
+window_program axial.json
+until_ "the scene's volume" title_is 'stent.nrrd'
+picture axial_opened
+look same axial.png axial_opened.png 0 || fail "the middle is another one in the window"
+stop
+
 # ---- what a window does not show is said, and what is no cut is refused
 "$bin/isorender" stent.nrrd --isovalue 300 --slice z=20 --output slice.png --save-scene slice.json --quiet || fail "no scene"
 window_program slice.json

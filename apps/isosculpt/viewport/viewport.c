@@ -330,9 +330,11 @@ static double front_of(const isosculpt_viewport *viewport, iso_vec3 forward) {
 iso_status isosculpt_viewport_add_cut(isosculpt_viewport *viewport, const char *text, iso_error *error) {
     isosculpt_cut *cut = &viewport->cut;
     const iso_box box = isosculpt_viewport_bounds(viewport);
-    const iso_vec3 middle = iso_vec3_scale(iso_vec3_add(box.lo, box.hi), 0.5);
     iso_cut parsed;
     ISO_TRY(iso_cut_parse(text, &parsed, error));
+    const iso_vec3 middle =
+        parsed.by_middle ? iso_cut_middle(iso_grid_transform(&viewport->grid), iso_grid_dims(&viewport->grid))
+                         : iso_vec3_scale(iso_vec3_add(box.lo, box.hi), 0.5);
     viewport->style++;
     if (!parsed.by_depth) return isosculpt_cut_add(cut, text, middle, error);
     const iso_vec3 forward = forward_of(&viewport->camera);
