@@ -18,10 +18,15 @@ typedef enum iso_tool {
     ISO_TOOL_SMOOTH,
     ISO_TOOL_INFLATE,
     ISO_TOOL_DEFLATE,
-    ISO_TOOL_FLATTEN, /* towards the plane of the sample's position and normal */
-    ISO_TOOL_PINCH,   /* towards the axis of the sample's normal */
-    ISO_TOOL_MOVE,    /* drags what lay at the stroke's first sample to the current one */
-    ISO_TOOL_MASK,    /* freezes the voxels within the radius: brushes do not move them across the surface */
+    ISO_TOOL_FLATTEN,    /* towards the plane of the sample's position and normal */
+    ISO_TOOL_SCRAPE,     /* removes what rises above the mean plane of the surface within the radius */
+    ISO_TOOL_FILL,       /* fills what lies below that plane */
+    ISO_TOOL_CLAY,       /* fills up to a plane that is a little higher: each touch adds a layer */
+    ISO_TOOL_PINCH,      /* towards the axis of the sample's normal */
+    ISO_TOOL_CREASE,     /* pinches, and digs a groove along the stroke */
+    ISO_TOOL_SNAKE_HOOK, /* drags the surface along, from each sample to the next */
+    ISO_TOOL_MOVE,       /* drags what lay at the stroke's first sample to the current one */
+    ISO_TOOL_MASK, /* freezes the voxels within the radius: brushes do not move them across the surface */
     ISO_TOOL_UNMASK,
     ISO_TOOL_CLEAR_MASK,  /* at a stroke's first sample: unfreezes all voxels, wherever the sample is */
     ISO_TOOL_INVERT_MASK, /* the same: freezes what is not frozen, and unfreezes the rest */

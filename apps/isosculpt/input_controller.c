@@ -14,18 +14,29 @@ static const double KEY_ZOOM = 1.25, KEY_PAN = 0.1;
 /* Distance between the touches of a stamp, in radii. */
 static const double STAMP_SPACING = 1;
 
+static const struct {
+    iso_tool tool;
+    char key;
+} tools[ISOSCULPT_TOOLS] = {{ISO_TOOL_ADD, '1'},    {ISO_TOOL_CARVE, '2'},     {ISO_TOOL_BLEND_ADD, '3'},
+                            {ISO_TOOL_SMOOTH, '4'}, {ISO_TOOL_INFLATE, '5'},   {ISO_TOOL_FLATTEN, '6'},
+                            {ISO_TOOL_PINCH, '7'},  {ISO_TOOL_MOVE, '8'},      {ISO_TOOL_MASK, '9'},
+                            {ISO_TOOL_CLAY, '0'},   {ISO_TOOL_SCRAPE, 't'},    {ISO_TOOL_FILL, 'l'},
+                            {ISO_TOOL_CREASE, 'w'}, {ISO_TOOL_SNAKE_HOOK, 'j'}};
+
 iso_tool isosculpt_controller_tool(int number) {
-    static const iso_tool tools[ISOSCULPT_TOOL_KEYS] = {ISO_TOOL_ADD,    ISO_TOOL_CARVE,   ISO_TOOL_BLEND_ADD,
-                                                        ISO_TOOL_SMOOTH, ISO_TOOL_INFLATE, ISO_TOOL_FLATTEN,
-                                                        ISO_TOOL_PINCH,  ISO_TOOL_MOVE,    ISO_TOOL_MASK};
-    return tools[number - 1];
+    return tools[number].tool;
+}
+
+char isosculpt_controller_tool_key(int number) {
+    return tools[number].key;
 }
 
 iso_tool isosculpt_controller_modified_tool(iso_tool tool, unsigned modifiers) {
-    static const iso_tool pairs[][2] = {{ISO_TOOL_ADD, ISO_TOOL_CARVE},
-                                        {ISO_TOOL_BLEND_ADD, ISO_TOOL_BLEND_CARVE},
-                                        {ISO_TOOL_INFLATE, ISO_TOOL_DEFLATE},
-                                        {ISO_TOOL_MASK, ISO_TOOL_UNMASK}};
+    static const iso_tool pairs[][2] = {
+        {ISO_TOOL_ADD, ISO_TOOL_CARVE},       {ISO_TOOL_BLEND_ADD, ISO_TOOL_BLEND_CARVE},
+        {ISO_TOOL_INFLATE, ISO_TOOL_DEFLATE}, {ISO_TOOL_FILL, ISO_TOOL_SCRAPE},
+        {ISO_TOOL_CLAY, ISO_TOOL_SCRAPE}, /* (scraping is inverted above) */
+        {ISO_TOOL_MASK, ISO_TOOL_UNMASK}};
     if (modifiers & ISOSCULPT_MODIFIER_SHIFT) return ISO_TOOL_SMOOTH;
     if (!(modifiers & (ISOSCULPT_MODIFIER_CTRL | ISOSCULPT_MODIFIER_ALT))) return tool;
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
@@ -98,12 +109,13 @@ static iso_vec3 touch_center(const isosculpt_controller *controller, iso_vec3 po
 }
 
 /* Computes the sample at a pointer position. It lies on the surface as it was when the stroke began, so that
- * a stroke does not climb onto material that it has added itself; for the move tool it has the depth of the
- * first sample. */
+ * a stroke does not climb onto material that it has added itself; for a tool that drags it has the depth of
+ * the first sample. */
 static iso_sample sample_at(isosculpt_controller *controller, double x, double y) {
     isosculpt_pick pick;
     const isosculpt_pick_buffer *buffer = &controller->viewport->pick_buffer;
-    const bool at_first_depth = controller->tool == ISO_TOOL_MOVE && controller->drag == ISOSCULPT_DRAG_BRUSH;
+    const bool at_first_depth =
+        iso_tool_is_drag(controller->tool) && controller->drag == ISOSCULPT_DRAG_BRUSH;
     if (!at_first_depth && isosculpt_pick_buffer_pick(buffer, x, y, &pick)) {
         controller->depth = pick.depth;
         controller->normal = pick.normal;
@@ -487,22 +499,25 @@ static bool handle_camera_key(isosculpt_controller *controller, int key, unsigne
     return true;
 }
 
-/* Chooses a brush. While a volume is viewed, this also converts the volume into a field. */
-static void choose_tool(isosculpt_controller *controller, int number) {
-    controller->brush.tool = isosculpt_controller_tool(number);
-    if (!controller->viewing_volume) return;
+/* Chooses the brush of a key. While a volume is viewed, this also converts the volume into a field. Returns
+ * whether the key is that of a brush. */
+static bool choose_tool(isosculpt_controller *controller, int key) {
+    int number = 0;
+    while (number < ISOSCULPT_TOOLS && tools[number].key != key) number++;
+    if (number == ISOSCULPT_TOOLS) return false;
+    controller->brush.tool = tools[number].tool;
+    if (!controller->viewing_volume) return true;
     controller->commands |= ISOSCULPT_COMMAND_SCULPT;
-    if (controller->field_pending) return;
+    if (controller->field_pending) return true;
     /* set at once: a slow program receives the next strokes before it processes commands */
     controller->field_pending = true;
     isosculpt_controller_center_mirror(controller);
+    return true;
 }
 
 static bool handle_brush_key(isosculpt_controller *controller, int key, unsigned modifiers) {
     if (key == 'm' && modifiers & ISOSCULPT_MODIFIER_ALT)
         isosculpt_controller_change_mask(controller, ISO_TOOL_CLEAR_MASK);
-    else if (key >= '1' && key <= '9')
-        choose_tool(controller, key - '0');
     else if (key == '[' || key == ']' || key == ',' || key == '.')
         isosculpt_controller_set_radius(controller, key == ']' || key == '.'
                                                         ? controller->brush.radius * RADIUS_STEP
@@ -512,7 +527,7 @@ static bool handle_brush_key(isosculpt_controller *controller, int key, unsigned
     else if (key == ISOSCULPT_KEY_ESCAPE && controller->drag == ISOSCULPT_DRAG_BRUSH)
         end_drawing(controller, true);
     else
-        return false;
+        return choose_tool(controller, key);
     return true;
 }
 

@@ -82,9 +82,10 @@ typedef struct isosculpt_controller {
     iso_error error;        /* error of the last stroke, undo or redo; text[0] == 0: none */
 } isosculpt_controller;
 
-/* The keys 1 .. ISOSCULPT_TOOL_KEYS choose a tool; the function returns the tool of a key. */
-enum { ISOSCULPT_TOOL_KEYS = 9 };
+/* The tools that keys and buttons choose, and the key of each; number: 0 .. ISOSCULPT_TOOLS - 1. */
+enum { ISOSCULPT_TOOLS = 14 };
 iso_tool isosculpt_controller_tool(int number);
+char isosculpt_controller_tool_key(int number);
 /* Returns the tool of a stroke with modifier keys: Shift smooths, Ctrl or Alt inverts. */
 iso_tool isosculpt_controller_modified_tool(iso_tool tool, unsigned modifiers);
 

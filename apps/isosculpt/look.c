@@ -50,7 +50,7 @@ static void apply_background(isosculpt_controller *controller, const char *value
 }
 
 static void apply_tool(isosculpt_controller *controller, const char *value) {
-    for (int number = 1; number <= ISOSCULPT_TOOL_KEYS; number++)
+    for (int number = 0; number < ISOSCULPT_TOOLS; number++)
         if (strcmp(value, iso_tool_name(isosculpt_controller_tool(number))) == 0)
             controller->brush.tool = isosculpt_controller_tool(number);
 }

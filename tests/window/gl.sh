@@ -96,8 +96,8 @@ key m
 # ---- with the reference, the cpu engine draws all methods
 key r
 through() {
-    press 62 470
-    press 50 519
+    press 62 526
+    press 50 575
     picture through
     differ through gl_sculpted_exact
 }

@@ -65,13 +65,13 @@ differ field redone || fail "strokes that waited cannot be undone"
 cmp carved.png redone.png || fail "strokes that waited: redone otherwise"
 
 # ---- a field: the command needs a saved file, which it draws
-press 105 414
-says_no() { press 105 414; says "No command"; }
+press 105 470
+says_no() { press 105 470; says "No command"; }
 until_ "a command without a file" says_no
 key ctrl+s
 until_ "stent.vdb" test -s "$work/stent.vdb"
 picture saved
-copy_command 105 414
+copy_command 105 470
 draws saved 60
 stop
 
@@ -111,7 +111,7 @@ moves again "a0 - x0 <= 1 && x0 - a0 <= 1 && b1 - y1 <= 1 && y1 - b1 <= 1"
 # eye_is KEY AXIS SIGN: fails unless KEY moves the eye so that it is in this direction from the focal point
 eye_is() {
     key "$1"
-    copy_command 105 414
+    copy_command 105 470
     python3 - "$command" "$2" "$3" <<'PYTHON' || fail "$1: $command"
 import re, sys
 def vector(name):
@@ -153,7 +153,7 @@ picture small
 cmp small.png again.png || fail "undone, it is not framed as before"
 
 # ---- the mirror: its plane is in the middle of the object (110, 10, 10) and shown as a line; strokes act on both sides
-symmetry() { press 90 218; whole_window mirror; look color "$work/mirror.png" 255 120 110 320,0,1280,800 100; }
+symmetry() { press 90 274; whole_window mirror; look color "$work/mirror.png" 255 120 110 320,0,1280,800 100; }
 until_ "the mirror's line" symmetry
 read -r x0 y0 x1 y1 <<<"$(box_of small)"
 look color mirror.png 255 120 110 $((PANEL + (x0 + x1) / 2 - 3)),"$y0",$((PANEL + (x0 + x1) / 2 + 3)),"$y1" 100 || fail "the line is not in the middle"
@@ -170,7 +170,7 @@ awk "BEGIN { exit !($a0 + $a1 - $x0 - $x1 <= 3 && $x0 + $x1 - $a0 - $a1 <= 3) }"
 # ---- another file begins without a mirror, and has its own middle
 make_box other.obj -60 7 0 12
 before=$journal
-press 90 526 # the box for a name, one row lower now that the mirror has one
+press 90 582 # the box for a name, one row lower now that the mirror has one
 xdotool key --delay 100 ctrl+a
 xdotool type "$work/other.obj"
 xdotool sleep 0.2 key Return

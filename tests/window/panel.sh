@@ -49,13 +49,13 @@ key 1
 stroke 640 400 20 0
 picture half
 key ctrl+z
-xdotool mousemove 210 161 sleep 0.2 mousedown 1 sleep 0.2 mousemove 40 161 sleep 0.2 mouseup 1 sleep 0.2
+xdotool mousemove 200 217 sleep 0.2 mousedown 1 sleep 0.2 mousemove 40 217 sleep 0.2 mouseup 1 sleep 0.2
 stroke 640 400 20 0
 picture weak
 [ "$(tools)" = "${before}add add " ] || fail "tools: $(tools)"
 differ half weak || fail "strength does nothing for add"
 key ctrl+z
-xdotool mousemove 30 161 sleep 0.2 mousedown 1 sleep 0.2 mousemove 115 161 sleep 0.2 mouseup 1 sleep 0.2
+xdotool mousemove 30 217 sleep 0.2 mousedown 1 sleep 0.2 mousemove 115 217 sleep 0.2 mouseup 1 sleep 0.2
 
 # ---- Escape closes an open list and nothing else
 xdotool mousemove 1270 790 sleep 0.3
@@ -71,7 +71,7 @@ closes_list() {
     whole_window after
     look same closed.png after.png 100 0,0,304,800 >/dev/null
 }
-for row in 189 301 329; do
+for row in 245 357 385; do
     until_ "a list" opens_list $row
     until_ "Escape closes the list" closes_list
 done
@@ -90,7 +90,7 @@ until_ "Escape closes the dialog" is_not_modal
 mkdir -p shelf/inner
 make_box shelf/inner/b.obj 5 5 5 10
 opens_folder() {
-    press 90 498
+    press 90 554
     xdotool key --delay 100 ctrl+a
     xdotool type "$1"
     xdotool sleep 0.3 key Return sleep 0.5
@@ -119,7 +119,7 @@ key 2
 stroke 560 300 10 10 # in the frozen part
 picture frozen
 cmp inverted.png frozen.png || fail "what an inverted mask freezes was carved" # (and so there is nothing to undo)
-inverts() { press 80 245; picture twice; ! differ masked twice; }
+inverts() { press 80 301; picture twice; ! differ masked twice; }
 key ctrl+z
 picture undone
 cmp masked.png undone.png || fail "undo of an inverted mask"
@@ -130,7 +130,7 @@ key ctrl+z ctrl+i
 picture inverted_again
 cmp inverted.png inverted_again.png || fail "inverted again: another picture"
 until_ "the button that inverts" inverts
-clears() { press 220 245; picture none; ! differ free none; }
+clears() { press 220 301; picture none; ! differ free none; }
 until_ "the button that clears" clears
 tools | grep -q "invert-mask .*clear-mask .*invert-mask .*clear-mask " || fail "the mask in the stroke file: $(tools)"
 "$bin/isosculpt" --replay "$journal" --headless --quiet --json=replay.json || fail "strokes that change the mask do not play"
@@ -147,12 +147,12 @@ until_ "unsaved changes in the title" title_is ': sculpture.vdb\*$'
 key 3
 key m
 chooses_light() { # the third one of the list
-    press 120 329
-    press 60 398
+    press 120 385
+    press 60 454
     grep -q 'light=matcap pearl' "$journal.open"
 }
 until_ "another light" chooses_light
-symmetric() { press 96 217; whole_window mirror; look color mirror.png 255 120 110 320,0,1280,800 100; }
+symmetric() { press 96 273; whole_window mirror; look color mirror.png 255 120 110 320,0,1280,800 100; }
 until_ "a mirror" symmetric
 key f
 picture look

@@ -40,14 +40,14 @@ cmp carved.png carved_again.png || fail "the reference is another one"
 
 # ---- its opacity; seen through the sculpture; another camera and back; undone
 fainter() {
-    slide 166 470 -30
+    slide 166 526 -30
     picture fainter
     differ fainter carved
 }
 until_ "a fainter reference" fainter
 through() {
-    press 62 470
-    press 50 519
+    press 62 526
+    press 50 575
     picture through
     differ through fainter
 }

@@ -18,17 +18,15 @@ start
 picture new # and so it is ready
 
 # ---- every brush on the ball; modifier keys; strokes beside the ball do not change the field
-brush=0
-for at in "560 290" "700 290" "640 260" "560 390" "640 340" "720 390" "560 480" "640 440" "700 500"; do
-    brush=$((brush + 1))
-    key $brush
+for of in "1 560 290" "2 700 290" "3 640 260" "4 560 390" "5 640 340" "6 720 390" "7 560 480" \
+    "8 640 440" "0 620 300" "t 680 340" "l 600 420" "w 700 440" "j 660 480" "9 700 500"; do
+    key "${of%% *}"
     # shellcheck disable=SC2086
-    stroke $at 30 20
+    stroke ${of#* } 30 20
 done
 picture masked
 xdotool keydown alt
-# shellcheck disable=SC2086
-stroke $at 30 20
+stroke 700 500 30 20
 xdotool keyup alt
 picture free
 cmp -s "$work/masked.png" "$work/free.png" && fail "what is frozen does not look it"
@@ -40,7 +38,14 @@ stroke 660 520 20 10
 xdotool keyup alt keydown ctrl
 stroke 520 420 10 20
 xdotool keyup ctrl
-expected="add carve blend-add smooth inflate flatten pinch move mask unmask smooth carve carve "
+for brush in 0 t; do # what clay and scrape are inverted
+    key $brush
+    xdotool keydown ctrl
+    stroke 600 420 10 20
+    xdotool keyup ctrl
+done
+expected="add carve blend-add smooth inflate flatten pinch move clay scrape fill crease snake-hook mask unmask smooth"
+expected="$expected carve carve scrape fill "
 [ "$(tools)" = "$expected" ] || fail "tools: $(tools)"
 picture sculpted
 cmp -s "$work/new.png" "$work/sculpted.png" && fail "strokes are not to be seen"
@@ -137,7 +142,7 @@ has_events end 1 || fail "strokes on an opened file: $(events end)"
 # ---- opening another file by its name in the panel; a name that does not exist changes nothing
 before=$journal
 open_by_name() {
-    press 90 498
+    press 90 554
     xdotool key --delay 100 ctrl+a
     xdotool type "$1"
     xdotool sleep 0.2 key Return

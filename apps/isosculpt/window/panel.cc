@@ -1,6 +1,7 @@
 /* The panel, its sections, the help, dialogs and messages, drawn with Dear ImGui. */
 #include "apps/isosculpt/window/panel.h"
 
+#include <cctype>
 #include <cfloat>
 #include <cmath>
 #include <cstdio>
@@ -103,7 +104,7 @@ static void choose_mirror(isosculpt_controller *controller) {
 struct brush_button {
     const char *label, *tip;
 };
-static const brush_button BRUSHES[ISOSCULPT_TOOL_KEYS] = {
+static const brush_button BRUSHES[ISOSCULPT_TOOLS] = {
     {"add", "Adds material along the stroke: a tube, or the shape that is chosen.\nAlt: carves."},
     {"carve", "Takes material away along the stroke.\nAlt: adds."},
     {"blend", "Adds material with a smooth transition to what is there.\nAlt: carves with one."},
@@ -112,20 +113,26 @@ static const brush_button BRUSHES[ISOSCULPT_TOOL_KEYS] = {
     {"flatten", "Moves the surface to a plane through the place under the pointer."},
     {"pinch", "Gathers the surface towards the middle of the brush: sharper edges."},
     {"move", "Drags what lies under the brush along with the pointer."},
-    {"mask", "Freezes the surface, which no brush moves then.\nAlt: frees it."}};
+    {"mask", "Freezes the surface, which no brush moves then.\nAlt: frees it."},
+    {"clay", "Adds a layer, and levels what is below it.\nAlt: scrapes."},
+    {"scrape", "Takes off what rises above the surface around it.\nAlt: fills."},
+    {"fill", "Fills what is lower than the surface around it.\nAlt: scrapes."},
+    {"crease", "Digs a sharp groove along the stroke."},
+    {"hook", "Draws a horn or a tentacle out of the surface, along the pointer's path."}};
 
 static void choose_brush(isosculpt_controller *controller) {
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x,
                 width = (ImGui::GetContentRegionAvail().x - 2 * gap) / 3;
-    for (int i = 0; i < ISOSCULPT_TOOL_KEYS; i++) {
-        const bool chosen = controller->brush.tool == isosculpt_controller_tool(i + 1);
+    for (int i = 0; i < ISOSCULPT_TOOLS; i++) {
+        const bool chosen = controller->brush.tool == isosculpt_controller_tool(i);
+        const char key = isosculpt_controller_tool_key(i), shown = (char)toupper(key);
         char label[32];
-        snprintf(label, sizeof label, "%d  %s", i + 1, BRUSHES[i].label);
+        snprintf(label, sizeof label, "%c  %s", shown, BRUSHES[i].label);
         if (i % 3) ImGui::SameLine(0, gap);
         if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_CheckMark));
-        if (ImGui::Button(label, ImVec2(width, 0))) isosculpt_controller_key(controller, '1' + i, 0, true);
+        if (ImGui::Button(label, ImVec2(width, 0))) isosculpt_controller_key(controller, key, 0, true);
         if (chosen) ImGui::PopStyleColor();
-        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\nKey: %d", BRUSHES[i].tip, i + 1);
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\nKey: %c", BRUSHES[i].tip, shown);
     }
 }
 

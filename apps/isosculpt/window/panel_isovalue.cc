@@ -218,5 +218,5 @@ void panel_draw_isovalue(isosculpt_screen *screen, float scale) {
     draw_note(screen->controller->viewport);
     if (ImGui::Button("Sculpt this")) screen->controller->commands |= ISOSCULPT_COMMAND_SCULPT;
     ImGui::SameLine();
-    ImGui::TextColored(GREY, "or pick a brush: 1 .. 9");
+    ImGui::TextColored(GREY, "or pick a brush");
 }

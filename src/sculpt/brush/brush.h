@@ -28,10 +28,15 @@ extern "C" {
     X(DEFLATE, "deflate")                                                                                    \
     X(FLATTEN,                                                                                               \
       "flatten")        /* moves the surface to the plane through the sample, perpendicular to its normal */ \
+    X(SCRAPE, "scrape") /* removes what is above the mean plane of the surface within the radius */          \
+    X(FILL, "fill")     /* fills what is below that plane */                                                 \
+    X(CLAY, "clay")     /* fills what is below a plane a little above that one */                            \
     X(PINCH, "pinch")   /* gathers the surface around the line through the sample along its normal */        \
-    X(MOVE, "move")     /* drags the surface from the stroke's first sample to the current one */            \
-    X(MASK, "mask")     /* freezes the voxels within the radius */                                           \
-    X(UNMASK, "unmask") /* unfreezes them */                                                                 \
+    X(CREASE, "crease") /* pinches, and moves the surface against its normal */                              \
+    X(SNAKE_HOOK, "snake-hook")   /* drags the surface from the previous sample to the current one */        \
+    X(MOVE, "move")               /* drags the surface from the stroke's first sample to the current one */  \
+    X(MASK, "mask")               /* freezes the voxels within the radius */                                 \
+    X(UNMASK, "unmask")           /* unfreezes them */                                                       \
     X(CLEAR_MASK, "clear-mask")   /* at a stroke's first sample: unfreezes all voxels of the grid */         \
     X(INVERT_MASK, "invert-mask") /* the same: freezes the voxels that are not frozen, unfreezes the rest */
 

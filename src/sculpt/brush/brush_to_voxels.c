@@ -69,12 +69,23 @@ static double full_strength(iso_tool tool, double radius_voxels) {
     case ISO_TOOL_DEFLATE:
         return 0.05 * radius_voxels < 0.5 ? 0.05 * radius_voxels : 0.5;
     case ISO_TOOL_FLATTEN:
+    case ISO_TOOL_SCRAPE:
+    case ISO_TOOL_FILL:
+    case ISO_TOOL_CLAY:
         return 0.3;
     case ISO_TOOL_PINCH:
+    case ISO_TOOL_CREASE:
         return 0.15;
     default:
         return 1;
     }
+}
+
+/* Returns the depth (iso_dabs) of one touch of strength 1, within the band. */
+static double full_depth(iso_tool tool, double radius_voxels) {
+    if (tool == ISO_TOOL_CLAY) return fmin(0.1 * radius_voxels, 1.25);
+    if (tool == ISO_TOOL_CREASE) return fmin(0.025 * radius_voxels, 0.25);
+    return 0;
 }
 
 void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso_touch *touch,
@@ -93,6 +104,7 @@ void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso
     dabs->falloff = brush->falloff;
     dabs->radius_voxels = (float)radius_voxels;
     dabs->strength = (float)(strength * full_strength(brush->tool, radius_voxels));
+    dabs->depth = (float)(strength * full_depth(brush->tool, radius_voxels));
     dabs->aspect = (float)(brush->aspect > 0 ? brush->aspect : 0.5);
     dabs->blend_voxels = blends ? (float)(blend_voxels < band ? blend_voxels : band) : 0;
     dabs->band = space->band;

@@ -12,7 +12,15 @@ bool iso_tool_is_whole_mask(iso_tool tool) {
 }
 
 bool iso_tool_is_warp(iso_tool tool) {
-    return tool == ISO_TOOL_PINCH || tool == ISO_TOOL_MOVE;
+    return tool >= ISO_TOOL_PINCH && tool <= ISO_TOOL_MOVE;
+}
+
+bool iso_tool_is_drag(iso_tool tool) {
+    return tool == ISO_TOOL_SNAKE_HOOK || tool == ISO_TOOL_MOVE;
+}
+
+bool iso_tool_has_area_plane(iso_tool tool) {
+    return tool >= ISO_TOOL_SCRAPE && tool <= ISO_TOOL_CLAY;
 }
 
 /* Returns the radius, in brush radii, of the ball around the centre (of a capsule: around each point of its

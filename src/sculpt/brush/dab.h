@@ -20,15 +20,21 @@
 bool iso_tool_is_set_operation(iso_tool tool);
 /* Whether the tool changes the whole mask, once in a stroke, wherever its sample is. */
 bool iso_tool_is_whole_mask(iso_tool tool);
-/* Whether the tool samples the field at displaced positions: PINCH and MOVE. */
+/* Whether the tool samples the field at displaced positions: PINCH to MOVE. */
 bool iso_tool_is_warp(iso_tool tool);
+/* Whether the tool drags the surface along the segment from `from` to the dab's centre: SNAKE_HOOK and
+ * MOVE. */
+bool iso_tool_is_drag(iso_tool tool);
+/* Whether the tool measures the surface within the radius before it acts (area_plane.h): SCRAPE, FILL,
+ * CLAY. */
+bool iso_tool_has_area_plane(iso_tool tool);
 
 /* The largest number of dabs of a touch: its mirror images with symmetry in all three axes. */
 enum { ISO_DAB_MAX = 8 };
 
 /* One mirror image of a touch. */
 typedef struct iso_dab {
-    double centre[3], from[3]; /* index coordinates; `from`: the other end of a capsule, or where MOVE
+    double centre[3], from[3]; /* index coordinates; `from`: the other end of a capsule, or where a drag
                                   started */
     double axis[3][3];         /* unit vectors; [2] is the surface's normal */
 } iso_dab;
@@ -40,6 +46,7 @@ typedef struct iso_dabs {
     iso_falloff falloff;
     float radius_voxels, blend_voxels;
     float strength; /* at the centre: voxels for INFLATE and DEFLATE, otherwise a factor */
+    float depth;    /* voxels: of a layer of CLAY, of the groove that a touch of CREASE digs; otherwise 0 */
     float aspect;   /* in brush radii */
     float band;     /* of the grid, voxels */
     int count;      /* of dabs */
@@ -61,10 +68,10 @@ void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso
                    iso_dabs *dabs);
 
 /* Returns the distance, in voxels, beyond which no voxel changes: from the dab's centre or, for capsules and
- * MOVE, from the segment between the centre and `from`. */
+ * drags, from the segment between the centre and `from`. */
 double iso_dabs_influence(const iso_dabs *dabs);
 
-/* Returns the number of steps in which MOVE follows a voxel back along the stroke: enough for steps of at
+/* Returns the number of steps in which a drag follows a voxel back along the stroke: enough for steps of at
  * most an eighth of the radius, but at most 256. */
 int iso_dabs_steps(const iso_dabs *dabs);
 
@@ -83,9 +90,9 @@ typedef struct iso_field_window {
 
 typedef struct iso_dab_kernel {
     /* Computes the new values of the brick at `brick` (in cells) for set operations, INFLATE, DEFLATE,
-     * FLATTEN and SMOOTH. phi: the values before the touch. */
+     * FLATTEN to CLAY and SMOOTH. phi: the values before the touch. */
     void (*edit)(const iso_dabs *dabs, const int brick[3], const iso_stencil *phi, float *out);
-    /* Computes for PINCH and MOVE where each voxel's new value is sampled. Returns false if this is the
+    /* Computes for warps where each voxel's new value is sampled. Returns false if this is the
      * voxel's own position for all voxels, so that nothing changes. */
     bool (*warp)(const iso_dabs *dabs, const int brick[3], iso_warp *warp);
     /* Samples the window at the warp's positions by trilinear interpolation. The window must contain all

@@ -103,9 +103,8 @@ ISO_INLINE vf solid_distance(const iso_dabs *dabs, const iso_local_dab *dab, con
     return v_sqrt(ring * ring + z * z) - v_set(aspect); /* the torus */
 }
 
-/* Returns the weight of a deforming touch at a distance, in voxels, from its centre: falloff times strength,
- * 0 beyond the radius. */
-ISO_INLINE vf weight(const iso_dabs *dabs, vf distance) {
+/* Returns the falloff of a deforming touch at a distance, in voxels, from its centre; 0 beyond the radius. */
+ISO_INLINE vf falloff(const iso_dabs *dabs, vf distance) {
     const vf t = distance / v_set(dabs->radius_voxels), zero = v_set(0), one = v_set(1);
     vf w = one;
     if (dabs->falloff == ISO_FALLOFF_SMOOTH) {
@@ -113,7 +112,12 @@ ISO_INLINE vf weight(const iso_dabs *dabs, vf distance) {
         w = s * s;
     } else if (dabs->falloff == ISO_FALLOFF_LINEAR)
         w = one - t;
-    return v_select(v_lt(t, one), w * v_set(dabs->strength), zero);
+    return v_select(v_lt(t, one), w, zero);
+}
+
+/* Returns the weight of a deforming touch there: falloff times strength. */
+ISO_INLINE vf weight(const iso_dabs *dabs, vf distance) {
+    return falloff(dabs, distance) * v_set(dabs->strength);
 }
 
 /* Returns the distance to the union of the field f and the solid s. With a blend width, the crease between
@@ -155,14 +159,17 @@ ISO_INLINE vf sum_dabs(const vf *part, int count) {
     return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
 }
 
-/* Returns by how much INFLATE, DEFLATE or FLATTEN changes voxels with the values f, in voxels. p: their
- * positions relative to the dab. */
+/* Returns by how much INFLATE, DEFLATE or FLATTEN to CLAY change voxels with the values f, in voxels. p:
+ * their positions relative to the dab. */
 ISO_INLINE vf distance_change(const iso_dabs *dabs, const iso_local_dab *dab, const vf_vector *p, vf f) {
     const vf w = weight(dabs, length3(p->x, p->y, p->z));
     if (dabs->tool == ISO_TOOL_INFLATE) return v_set(0) - w;
     if (dabs->tool == ISO_TOOL_DEFLATE) return w;
-    const vf plane = clamped(dot(p, dab->axis[2]), dabs->band);
-    return w * (plane - f); /* FLATTEN */
+    const vf plane = clamped(dot(p, dab->axis[2]) - v_set(dabs->depth), dabs->band), zero = v_set(0);
+    const vf change = w * (plane - f);
+    return dabs->tool == ISO_TOOL_FLATTEN  ? change
+           : dabs->tool == ISO_TOOL_SCRAPE ? v_max(change, zero)
+                                           : v_min(change, zero);
 }
 
 static void edit_offset(const iso_dabs *dabs, const iso_local_dab *local, const iso_stencil *phi,
@@ -230,25 +237,28 @@ ISO_INLINE vf_vector sum_shifts(const ex_shifts *s, int count) {
     return p;
 }
 
-/* PINCH: returns the displacement to the position at which a voxel's new value is sampled. The position lies
- * farther from the axis of the dab than the voxel, so that the surface moves towards the axis. */
+/* PINCH and CREASE: returns the displacement to the position at which a voxel's new value is sampled. The
+ * position lies farther from the axis of the dab than the voxel, so that the surface moves towards the axis;
+ * for CREASE it also lies farther along the axis, so that the surface moves against its normal, in a narrower
+ * groove. */
 ISO_INLINE vf_vector pinch(const iso_dabs *dabs, const iso_local_dab *local, int row, int x) {
     ex_shifts s;
     for (int i = 0; i < dabs->count; i++) {
         const vf_vector p = position_from_dab(&local[i], row, x);
         const float *axis = local[i].axis[2];
-        const vf w = weight(dabs, length3(p.x, p.y, p.z)), n = dot(&p, axis);
-        s.x[i] = w * (p.x - n * v_set(axis[0]));
-        s.y[i] = w * (p.y - n * v_set(axis[1]));
-        s.z[i] = w * (p.z - n * v_set(axis[2]));
+        const vf at = falloff(dabs, length3(p.x, p.y, p.z)), n = dot(&p, axis);
+        const vf w = at * v_set(dabs->strength), groove = at * at * v_set(dabs->depth);
+        s.x[i] = w * (p.x - n * v_set(axis[0])) + groove * v_set(axis[0]);
+        s.y[i] = w * (p.y - n * v_set(axis[1])) + groove * v_set(axis[1]);
+        s.z[i] = w * (p.z - n * v_set(axis[2])) + groove * v_set(axis[2]);
     }
     return sum_shifts(&s, dabs->count);
 }
 
-/* MOVE: returns the displacement to the position at which a voxel's new value is sampled. The stroke moves
- * the surface by a flow: a velocity field whose centre moves from the stroke's first sample to the current
- * one. The voxel is followed back along the flow in steps of an eighth of the radius, so that the warp never
- * folds. */
+/* MOVE and SNAKE_HOOK: returns the displacement to the position at which a voxel's new value is sampled.
+ * The surface is moved by a flow: a velocity field whose centre moves from the stroke's first sample
+ * (SNAKE_HOOK: from the previous sample) to the current one. The voxel is followed back along the flow in
+ * steps of an eighth of the radius, so that the warp never folds. */
 ISO_INLINE vf_vector trace_back(const iso_dabs *dabs, const iso_local_dab *local, int steps, int row, int x) {
     vf_vector shift = {v_set(0), v_set(0), v_set(0)};
     const float part = 1 / (float)steps;
@@ -286,8 +296,8 @@ static bool warp(const iso_dabs *dabs, const int brick[3], iso_warp *warp) {
     uint32_t moved = 0;
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
-            const vf_vector shift = dabs->tool == ISO_TOOL_PINCH ? pinch(dabs, local, row, x)
-                                                                 : trace_back(dabs, local, steps, row, x);
+            const vf_vector shift = iso_tool_is_drag(dabs->tool) ? trace_back(dabs, local, steps, row, x)
+                                                                 : pinch(dabs, local, row, x);
             const vf length = v_abs(shift.x) + v_abs(shift.y) + v_abs(shift.z);
             moved |= v_mask(v_lt(v_set(0), length));
             const int at = row * ISO_BRICK + x;

@@ -1,12 +1,13 @@
-/* The editor: turns a touch into dabs in voxels (brush_to_voxels.c), lists the cells they reach, runs the
- * brush's kernel on each (dab.h), then redistances and commits them (transaction.h). The tools MASK,
- * UNMASK, CLEAR_MASK and INVERT_MASK change only the mask. */
+/* The editor: turns a touch into dabs in voxels (brush_to_voxels.c, area_plane.h), lists the cells they
+ * reach, runs the brush's kernel on each (dab.h), then redistances and commits them (transaction.h). The
+ * tools MASK, UNMASK, CLEAR_MASK and INVERT_MASK change only the mask. */
 #include "sculpt/edit/edit.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "base/numbers.h"
+#include "sculpt/edit/area_plane.h"
 #include "sculpt/edit/transaction.h"
 #include "sculpt/field/crease.h"
 #include "sculpt/limits.h"
@@ -88,10 +89,10 @@ void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts) {
 
 /* ---- the cells that a touch may change */
 
-/* Returns a lower bound of the distance, in voxels, from a cell's voxels to a dab's centre or, for MOVE and
+/* Returns a lower bound of the distance, in voxels, from a cell's voxels to a dab's centre or, for drags and
  * capsules, to the segment along which it moved. */
 static double cell_distance(const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
-    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->solid == ISO_SOLID_CAPSULE;
+    bool segment = iso_tool_is_drag(dabs->tool) || dabs->solid == ISO_SOLID_CAPSULE;
     double centre[3], half = 0.5 * (ISO_BRICK - 1), t = 0, along = 0, square = 0;
     for (int axis = 0; axis < 3; axis++) {
         double d = segment ? dab->from[axis] - dab->centre[axis] : 0;
@@ -128,7 +129,7 @@ static bool can_change(iso_tool tool, int32_t state) {
 /* Whether a tool can bring material to places where there was none. */
 static bool makes_material(iso_tool tool) {
     return tool != ISO_TOOL_CARVE && tool != ISO_TOOL_BLEND_CARVE && tool != ISO_TOOL_DEFLATE &&
-           tool != ISO_TOOL_SMOOTH;
+           tool != ISO_TOOL_SMOOTH && tool != ISO_TOOL_SCRAPE;
 }
 
 /* Computes the range of cells, lo .. hi, within a dab's influence, clipped to the grid. Returns whether the
@@ -139,7 +140,7 @@ static bool cell_range(const iso_editor *editor, const iso_dabs *dabs, const iso
     bool clipped = false;
     double influence = iso_dabs_influence(dabs),
            solid = influence - (iso_tool_is_set_operation(dabs->tool) ? (double)dabs->band : 0);
-    bool segment = dabs->tool == ISO_TOOL_MOVE || dabs->solid == ISO_SOLID_CAPSULE;
+    bool segment = iso_tool_is_drag(dabs->tool) || dabs->solid == ISO_SOLID_CAPSULE;
     for (int axis = 0; axis < 3; axis++) {
         double a = dab->centre[axis], b = segment ? dab->from[axis] : a;
         double first = fmin(a, b), last = fmax(a, b), top = editor->transaction.grid->dims[axis] - 1;
@@ -155,11 +156,11 @@ static double cells_in_range(const int lo[3], const int hi[3]) {
 }
 
 /* Returns the cost of editing one cell; a brush with one dab of a simple solid costs 1.25. The cost grows
- * with the number of dabs. A stamp costs more because it is sampled at every voxel, MOVE because it follows
+ * with the number of dabs. A stamp costs more because it is sampled at every voxel, a drag because it follows
  * each voxel back along the stroke in up to 256 steps. */
 static double cell_cost(const iso_dabs *dabs) {
     const double count = dabs->count;
-    if (dabs->tool == ISO_TOOL_MOVE) return 1 + count * iso_dabs_steps(dabs) / 4;
+    if (iso_tool_is_drag(dabs->tool)) return 1 + count * iso_dabs_steps(dabs) / 4;
     if (dabs->solid == ISO_SOLID_STAMP && iso_tool_is_set_operation(dabs->tool)) return 16 * count;
     return 1 + count / 4;
 }
@@ -211,8 +212,8 @@ typedef struct brush_pass {
     const iso_dabs *dabs;
 } brush_pass;
 
-/* Returns the values of a cell that a warp reads: for MOVE those when the step began, for PINCH the current
- * ones. */
+/* Returns the values of a cell that a warp reads: for MOVE those when the step began, for the others the
+ * current ones. */
 static const float *source_of(const iso_editor *editor, iso_tool tool, uint32_t cell) {
     int32_t state = editor->transaction.grid->cell[cell];
     if (tool == ISO_TOOL_MOVE && editor->notified[cell] == editor->step) {
@@ -573,6 +574,7 @@ static void make_dabs(const iso_editor *editor, const iso_brush *brush, const is
                                  .band = editor->transaction.grid->band,
                                  .stamp = editor->opts.stamp};
     iso_dabs_make(&space, brush, touch, dabs);
+    if (iso_tool_has_area_plane(brush->tool)) iso_area_planes(editor->transaction.grid, dabs);
 }
 
 int iso_editor_ranges(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,

@@ -62,8 +62,9 @@ static sculpt_quality after_stroke(const iso_brush *brush, int steps, bool on_ba
 /* The bounds that SCULPTING's measures set for 200 deforming steps. */
 static void deforming_strokes_keep_a_distance_field(void **state) {
     (void)state;
-    static const iso_tool tools[] = {ISO_TOOL_SMOOTH, ISO_TOOL_INFLATE, ISO_TOOL_DEFLATE, ISO_TOOL_FLATTEN,
-                                     ISO_TOOL_PINCH};
+    static const iso_tool tools[] = {ISO_TOOL_SMOOTH,  ISO_TOOL_INFLATE, ISO_TOOL_DEFLATE,
+                                     ISO_TOOL_FLATTEN, ISO_TOOL_SCRAPE,  ISO_TOOL_FILL,
+                                     ISO_TOOL_CLAY,    ISO_TOOL_PINCH,   ISO_TOOL_CREASE};
     for (size_t i = 0; i < 2 * sizeof tools / sizeof *tools; i++) {
         iso_brush brush = {.tool = tools[i / 2], .radius = 14};
         sculpt_quality q = after_stroke(&brush, 200, false, i % 2);
@@ -86,6 +87,43 @@ static void set_operations_keep_a_distance_field(void **state) {
         print_message("%s%s: | |g| - 1 | mean %.5f, foot p99 %.4f max %.4f\n", iso_tool_name(brush.tool),
                       i % 2 ? ", at its end" : "", q.gradient_mean, q.foot_p99, q.foot_max);
         assert_true(q.foot_p99 <= 0.2 && q.foot_max <= asked[i / 2].foot_max);
+    }
+}
+
+/* Touches the pole of a ball that has a bump there, or a dent if `bump` is below 0, with a brush of
+ * radius 12. The sample's normal is tilted by `tilt`. Returns by how many voxels the volume changes. */
+static double change_at_pole(iso_tool tool, double bump, double tilt) {
+    iso_hgrid *grid = sculpt_ball(128, CENTRE, 40);
+    iso_editor *editor = make_editor(grid, NULL);
+    const iso_vec3 up = {0, 0, 1}, pole = iso_vec3_add(CENTRE, iso_vec3_make(0, 0, 40));
+    const iso_brush bumps = {.tool = bump > 0 ? ISO_TOOL_INFLATE : ISO_TOOL_DEFLATE, .radius = 7},
+                    brush = {.tool = tool, .radius = 12};
+    for (double height = 0; height < fabs(bump); height += 0.35) sculpt_touch(editor, &bumps, pole, up);
+    const double before = sculpt_volume(grid);
+    sculpt_touch(editor, &brush, sculpt_pick(grid, CENTRE, up), iso_vec3_make(sin(tilt), 0, cos(tilt)));
+    const double change = sculpt_volume(grid) - before;
+    iso_editor_destroy(editor);
+    iso_hgrid_destroy(grid);
+    return change;
+}
+
+/* Scraping takes off bumps, filling fills dents, clay adds more than filling, a crease digs; and a normal
+ * that is wrong by 11 degrees, as one voxel's is on a scan, does not tilt the planes of the first three. */
+static void brushes_act_on_their_side(void **state) {
+    (void)state;
+    static const struct {
+        iso_tool tool;
+        double bump, least, most; /* of the change */
+    } asked[] = {{ISO_TOOL_SCRAPE, 2, -30, -16}, {ISO_TOOL_SCRAPE, -2, -10, -1}, {ISO_TOOL_FILL, -2, 6, 14},
+                 {ISO_TOOL_FILL, 2, 10, 20},     {ISO_TOOL_CLAY, -2, 45, 62},    {ISO_TOOL_CLAY, 2, 45, 62},
+                 {ISO_TOOL_CREASE, 2, -70, -40}};
+    for (size_t i = 0; i < sizeof asked / sizeof *asked; i++) {
+        const double straight = change_at_pole(asked[i].tool, asked[i].bump, 0),
+                     tilted = change_at_pole(asked[i].tool, asked[i].bump, 0.2);
+        print_message("%s at a height of %g: %.1f voxels, by a tilted normal %.1f\n",
+                      iso_tool_name(asked[i].tool), asked[i].bump, straight, tilted);
+        assert_true(straight >= asked[i].least && straight <= asked[i].most);
+        if (asked[i].tool != ISO_TOOL_CREASE) assert_true(fabs(tilted - straight) < 0.1 * fabs(straight) + 1);
     }
 }
 
@@ -656,6 +694,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(checksums_are_castagnolis),
                                        cmocka_unit_test(deforming_strokes_keep_a_distance_field),
                                        cmocka_unit_test(set_operations_keep_a_distance_field),
+                                       cmocka_unit_test(brushes_act_on_their_side),
                                        cmocka_unit_test(freezing_moves_nothing),
                                        cmocka_unit_test(ends_move_nothing),
                                        cmocka_unit_test(ends_leave_what_is_far),

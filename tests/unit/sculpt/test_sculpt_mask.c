@@ -87,6 +87,10 @@ static const stroke STROKES[] = {
     {{.tool = ISO_TOOL_DEFLATE, .radius = 25}, {51, 31, 31}, 8, 0.15},
     {{.tool = ISO_TOOL_FLATTEN, .radius = 20}, {46, 44, 31}, 8, 0.1},
     {{.tool = ISO_TOOL_PINCH, .radius = 20}, {46, 44, 31}, 8, 0.1},
+    {{.tool = ISO_TOOL_SCRAPE, .radius = 20}, {46, 44, 31}, 8, 0.1},
+    {{.tool = ISO_TOOL_FILL, .radius = 20}, {46, 44, 31}, 8, 0.1},
+    {{.tool = ISO_TOOL_CLAY, .radius = 20}, {46, 44, 31}, 8, 0.1},
+    {{.tool = ISO_TOOL_CREASE, .radius = 20}, {46, 44, 31}, 8, 0.1},
 };
 enum { STROKE_COUNT = sizeof STROKES / sizeof *STROKES };
 

@@ -274,8 +274,10 @@ static void wind(iso_session *session, const iso_brush *brush, double rise) {
 
 static void fields_are_distances(void **state) {
     (void)state;
-    static const iso_tool tools[] = {ISO_TOOL_ADD,     ISO_TOOL_CARVE,   ISO_TOOL_BLEND_ADD, ISO_TOOL_SMOOTH,
-                                     ISO_TOOL_INFLATE, ISO_TOOL_DEFLATE, ISO_TOOL_FLATTEN,   ISO_TOOL_PINCH};
+    static const iso_tool tools[] = {
+        ISO_TOOL_ADD,     ISO_TOOL_CARVE,   ISO_TOOL_BLEND_ADD, ISO_TOOL_SMOOTH, ISO_TOOL_INFLATE,
+        ISO_TOOL_DEFLATE, ISO_TOOL_FLATTEN, ISO_TOOL_PINCH,     ISO_TOOL_SCRAPE, ISO_TOOL_FILL,
+        ISO_TOOL_CLAY,    ISO_TOOL_CREASE,  ISO_TOOL_SNAKE_HOOK};
     for (size_t i = 0; i < sizeof tools / sizeof *tools; i++) {
         const iso_brush brush = {.tool = tools[i], .radius = 10};
         iso_session *session = open_ball(&BALL);
