@@ -72,22 +72,26 @@ def table_1(machine, table):
 
 
 def figure_4(machine, table):
-    """The bear's points, magnified, by both weights; the truth is the field."""
-    volumes = Volumes(machine)
-    path, _ = volumes.input(VOLUMES[0])
-    gains = []
-    for zoom in (4, 8, 16):
-        view = (path, "--resolution", "512x512", "--azimuth", 30, "--elevation", 8, "--zoom", zoom)
-        machine.render("weights-truth.png", *view, "--method", "raycast", "--samples", 16)
-        found = []
-        for weights in ("box", "gaussian"):
-            name = "weights-%s-%d.png" % (weights, zoom)
-            _, command = machine.render(name, *view, "--method", "pullpush", "--reconstruction", weights)
-            metric = machine.compare("weights-truth.png", name)
-            table.row("%s, magnified %d times" % (weights, zoom), metric("psnr_in"), metric("holes"))
-            table.picture(name, "%s, %d times" % (weights, zoom), command)
-            found.append(metric("psnr_in").value)
-        gains.append(found[1] - found[0])
+    """Magnified points of the bear, of which the nearest views show a smooth part, and of a surface that bends, by both
+    weights; the truth is the field."""
+    path, _ = Volumes(machine).input(VOLUMES[0])
+    gains, number = [], 0
+    for title, source, zooms in (("bear", (path, "--azimuth", 30, "--elevation", 8), (4, 8, 16)),
+                                 ("gyroid of 48³ voxels", ("scene:gyroid:48", "--azimuth", 30, "--elevation", 20), (2, 4, 8))):
+        for zoom in zooms:
+            view = (*source, "--resolution", "512x512", "--zoom", zoom)
+            machine.render("weights-truth.png", *view, "--method", "raycast", "--samples", 16)
+            found = []
+            for weights in ("box", "gaussian"):
+                name, shown = "weights-%d.png" % number, "%s, magnified %d times: %s" % (title, zoom, weights)
+                number += 1
+                _, command = machine.render(name, *view, "--method", "pullpush", "--reconstruction", weights)
+                metric = machine.compare("weights-truth.png", name)
+                table.row(shown, metric("psnr_in"), metric("holes"))
+                table.picture(name, shown, command)
+                found.append(metric("psnr_in").value)
+            gains.append(found[1] - found[0])
+    table.remark = "Both show blocks where the surface bends."
     table.claim("Gaussian weights are visibly better than a box where points are magnified: by 1 dB or more", min(gains) >= 1,
                 "%.2f to %.2f dB" % (min(gains), max(gains)))
 
