@@ -15,8 +15,8 @@
 extern "C" {
 #endif
 
-/* What a mesh has become, in world coordinates, mm: `tubes` and `ribbons` are for iso_shape_set_of_lines (with
- * opts.ribbons), `rest` for iso_shape_set_of_mesh. The arrays are owned; iso_branches_free. */
+/* What a mesh has become, world coordinates, mm. For iso_shape_set_of_lines: `tubes` and, with opts.ribbons,
+ * `ribbons`; for iso_shape_set_of_mesh: `rest`. The arrays are owned: iso_branches_free. */
 typedef struct iso_branches {
     iso_line_arrays tubes;   /* with radii; line_count 0: there are none */
     iso_line_arrays ribbons; /* with radii, half their widths, and normals; the same */
@@ -25,10 +25,10 @@ typedef struct iso_branches {
     size_t left_out;                           /* triangles that are degenerate, or there twice */
 } iso_branches;
 
-/* Makes lines of a mesh, whose normals are not used, or of the mesh in a file (as iso_shape_set_read_mesh; ras:
- * its coordinates are RAS although it does not say so). One thread. ISO_ERR_EMPTY: no triangles, or no piece
- * is made of thin branches or is a leaf: the text says why the largest is not. ISO_ERR_USAGE, ISO_ERR_LIMIT:
- * as of iso_shape_set_of_mesh. Of files also ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED. */
+/* Makes lines of a mesh, whose normals are not used, or of the mesh in a file, whose coordinates are RAS if
+ * `ras` says so. One thread. ISO_ERR_EMPTY: no triangles, or no piece is made of thin branches or is a leaf:
+ * the text says why the largest is not. ISO_ERR_USAGE, ISO_ERR_LIMIT: as of iso_shape_set_of_mesh. Of files
+ * also ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED. */
 ISO_API iso_status iso_branches_of_mesh(const iso_mesh *mesh, iso_branches *branches, iso_error *error);
 ISO_API iso_status iso_branches_read(const char *path, bool ras, iso_branches *branches, iso_error *error);
 /* Frees the arrays and zeroes the struct. A zeroed struct is allowed. */

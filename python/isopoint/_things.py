@@ -370,14 +370,15 @@ class Lines(_Shapes):
         call(lib.iso_branches_of_mesh, _lent_mesh(vertices, triangles, keep), made)
         things: "list[Thing]" = []
         try:
-            parts = ((cls, lib.iso_shape_set_of_lines, made.tubes, made.tubes.line_count, {}),
-                     (cls, lib.iso_shape_set_of_lines, made.ribbons, made.ribbons.line_count, {"ribbons": True}),
-                     (MeshItem, lib.iso_shape_set_of_mesh, made.rest, made.rest.triangle_count, {}))
-            for kind, function, arrays, count, options in parts:
-                if count:
-                    shapes: _Shapes = kind.__new__(kind)
-                    shapes._make(function, ffi.addressof(arrays), options, color, opacity)
-                    things.append(shapes)
+            for arrays, ribbons in ((made.tubes, False), (made.ribbons, True)):
+                if arrays.line_count:
+                    lines = cls.__new__(cls)
+                    lines._make(lib.iso_shape_set_of_lines, ffi.addressof(arrays), {"ribbons": ribbons}, color, opacity)
+                    things.append(lines)
+            if made.rest.triangle_count:
+                rest = MeshItem.__new__(MeshItem)
+                rest._make(lib.iso_shape_set_of_mesh, ffi.addressof(made.rest), {}, color, opacity)
+                things.append(rest)
         finally:
             lib.iso_branches_free(made)
         return things
