@@ -323,6 +323,18 @@ class _Shapes(Thing):
         return _box(lib.iso_shape_set_bounds(self._handle))
 
 
+def _lent_mesh(vertices: Any, triangles: Any, keep: "list[Any]") -> Any:
+    """An iso_mesh that borrows arrays, which `keep` keeps alive."""
+    positions = np.ascontiguousarray(vertices, np.float32)
+    corners = np.ascontiguousarray(triangles, np.uint32)
+    if positions.ndim != 2 or positions.shape[1] != 3 or corners.ndim != 2 or corners.shape[1] != 3:
+        raise usage(f"a mesh of arrays of shapes {positions.shape} and {corners.shape}: (n, 3) and (m, 3) are wanted")
+    keep += [positions, corners]
+    return ffi.new("iso_mesh *", {"positions": ffi.cast("float(*)[3]", positions.ctypes.data),
+                                  "triangles": ffi.cast("uint32_t(*)[3]", corners.ctypes.data),
+                                  "vertex_count": len(positions), "triangle_count": len(corners)})
+
+
 class Lines(_Shapes):
     """Lines as tubes or ribbons. `lines`: arrays (n, 3) of vertices, mm. `radii` and `colors` are of all vertices, one
     after the other; `radius` mm, 0: chosen."""
@@ -346,6 +358,30 @@ class Lines(_Shapes):
         lines: Lines = cls._read(lib.iso_shape_set_read_lines, path, {"radius": radius, "ribbons": ribbons}, color,
                                  opacity)
         return lines
+
+    @classmethod
+    def of_mesh(cls, vertices: Any, triangles: Any, *, color: Optional[Color] = None,
+                opacity: float = 1.0) -> "list[Thing]":
+        """A mesh of thin branches (a tree, vessels, neurites) as what can be drawn instead: Lines of its tubes, Lines of
+        its leaves, which are ribbons, and a MeshItem of the pieces that are neither, those of them that there are.
+        Vertices (n, 3) in mm, triangles (m, 3). EmptySurface: no piece is made of thin branches or is a leaf."""
+        keep: "list[Any]" = []
+        made = ffi.new("iso_branches *")
+        call(lib.iso_branches_of_mesh, _lent_mesh(vertices, triangles, keep), made)
+        things: "list[Thing]" = []
+        try:
+            for arrays, ribbons in ((made.tubes, False), (made.ribbons, True)):
+                if arrays.line_count:
+                    lines = cls.__new__(cls)
+                    lines._make(lib.iso_shape_set_of_lines, ffi.addressof(arrays), {"ribbons": ribbons}, color, opacity)
+                    things.append(lines)
+            if made.rest.triangle_count:
+                rest = MeshItem.__new__(MeshItem)
+                rest._make(lib.iso_shape_set_of_mesh, ffi.addressof(made.rest), {}, color, opacity)
+                things.append(rest)
+        finally:
+            lib.iso_branches_free(made)
+        return things
 
 
 class Glyphs(_Shapes):
@@ -379,14 +415,8 @@ class MeshItem(_Shapes):
     """A triangle mesh beside surfaces: vertices (n, 3) in mm, triangles (m, 3)."""
 
     def __init__(self, vertices: Any, triangles: Any, *, color: Optional[Color] = None, opacity: float = 1.0) -> None:
-        positions = np.ascontiguousarray(vertices, np.float32)
-        corners = np.ascontiguousarray(triangles, np.uint32)
-        if positions.ndim != 2 or positions.shape[1] != 3 or corners.ndim != 2 or corners.shape[1] != 3:
-            raise usage(f"a mesh of arrays of shapes {positions.shape} and {corners.shape}: (n, 3) and (m, 3) are wanted")
-        mesh = ffi.new("iso_mesh *", {"positions": ffi.cast("float(*)[3]", positions.ctypes.data),
-                                      "triangles": ffi.cast("uint32_t(*)[3]", corners.ctypes.data),
-                                      "vertex_count": len(positions), "triangle_count": len(corners)})
-        self._make(lib.iso_shape_set_of_mesh, mesh, {}, color, opacity)
+        keep: "list[Any]" = []
+        self._make(lib.iso_shape_set_of_mesh, _lent_mesh(vertices, triangles, keep), {}, color, opacity)
 
     @classmethod
     def read(cls, path: Path, *, color: Optional[Color] = None, opacity: float = 1.0) -> "MeshItem":

@@ -210,6 +210,24 @@ class Pictures(unittest.TestCase):
             picture = isopoint.render(things, size=(150, 100), **options)
             self.assertGreater(len(np.unique(picture.array.reshape(-1, 4), axis=0)), 20, things)
 
+    def test_lines_of_a_mesh(self):
+        """A tube and a leaf become lines, as wide as they were; a tetrahedron stays, and alone is refused."""
+        around = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+        tube = np.array([[np.cos(a), np.sin(a), z] for z in range(20) for a in around])
+        sides = [[r * 12 + i, r * 12 + (i + 1) % 12] for r in range(19) for i in range(12)]
+        faces = [t for a, b in sides for t in ((a, b, b + 12), (a, b + 12, a + 12))]
+        leaf = np.array([[9, 0, 0], [8, 0, 2], [10, 0, 2], [8, 0, 5], [10, 0, 5], [9, 0, 8]])
+        solid = np.array([[20, 0, 0], [25, 0, 0], [20, 5, 0], [20, 0, 5]])
+        blades, sharp = np.array([[0, 2, 1], [1, 2, 4], [1, 4, 3], [3, 4, 5]]), np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        vertices, triangles = np.concatenate([tube, leaf, solid]), np.concatenate([faces, blades + 240, sharp + 246])
+        made = isopoint.Lines.of_mesh(vertices, triangles, color="306030")
+        self.assertEqual([type(thing) for thing in made], [isopoint.Lines, isopoint.Lines, isopoint.MeshItem])
+        self.assertTrue(np.allclose(made[0].bounds()[1], [1, 1, 20], atol=0.05), made[0].bounds())
+        self.assertTrue(np.allclose(made[1].bounds()[0][0], 8, atol=0.05), made[1].bounds())
+        self.assertGreater(len(np.unique(isopoint.render(made, size=(99, 99)).array.reshape(-1, 4), axis=0)), 20)
+        with self.assertRaisesRegex(isopoint.EmptySurface, "not made of thin branches"):
+            isopoint.Lines.of_mesh(solid, sharp)
+
     def test_looks_are_changed(self):
         a = isopoint.Surface(bumpy(), 128)
         b = isopoint.Surface(bumpy(), 128, color="3060C0", opacity=0.25)

@@ -69,6 +69,11 @@ struct iso_shape_set {
     iso_rgb color;
 };
 
+/* Whether the caller's mesh can be used: ISO_ERR_EMPTY, ISO_ERR_USAGE. */
+iso_status iso_api_check_mesh(const iso_mesh *mesh, iso_error *error);
+/* Reads a mesh, turned to LPS if the caller says that it is `ras`; iso_triangles_free when done. */
+iso_status iso_api_read_mesh(const char *path, bool ras, iso_triangles *triangles, iso_error *error);
+
 /* Begins an operation: from now on the loops of the pool report to `watch` (borrowed), and can be cancelled.
  */
 void iso_api_watch_begin(iso_pool *pool, iso_api_watch *watch);

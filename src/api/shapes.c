@@ -148,7 +148,7 @@ static iso_status finish_mesh(iso_status status, iso_shape_set *made, const iso_
     return status;
 }
 
-static iso_status check_mesh(const iso_mesh *mesh, iso_error *error) {
+iso_status iso_api_check_mesh(const iso_mesh *mesh, iso_error *error) {
     if (!mesh->triangle_count) return iso_fail(error, ISO_ERR_EMPTY, "there are no triangles");
     for (size_t i = 0; i < mesh->triangle_count; i++)
         for (int k = 0; k < 3; k++)
@@ -169,9 +169,19 @@ iso_status iso_shape_set_of_mesh(const iso_mesh *mesh, const iso_shape_set_opts 
                                      .vertex_count = mesh->vertex_count,
                                      .triangles = mesh->triangles,
                                      .triangle_count = mesh->triangle_count};
-    ISO_TRY(check_mesh(mesh, error));
+    ISO_TRY(iso_api_check_mesh(mesh, error));
     ISO_TRY(begin(opts ? opts : &defaults, &made, error));
     return finish_mesh(ISO_OK, made, &triangles, set, error);
+}
+
+iso_status iso_api_read_mesh(const char *path, bool ras, iso_triangles *triangles, iso_error *error) {
+    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_mesh_read(path, NULL, triangles, error));
+    for (size_t i = 0; i < triangles->vertex_count && ras; i++) {
+        triangles->vertices[i][0] = -triangles->vertices[i][0];
+        triangles->vertices[i][1] = -triangles->vertices[i][1];
+    }
+    return ISO_OK;
 }
 
 iso_status iso_shape_set_read_mesh(const char *path, const iso_shape_set_opts *opts, iso_shape_set **set,
@@ -179,14 +189,9 @@ iso_status iso_shape_set_read_mesh(const char *path, const iso_shape_set_opts *o
     iso_shape_set *made;
     iso_triangles triangles = {0};
     if (!opts) opts = &defaults;
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
     ISO_TRY(begin(opts, &made, error));
-    iso_status status = iso_mesh_read(path, NULL, &triangles, error);
-    for (size_t i = 0; i < triangles.vertex_count && opts->ras; i++) {
-        triangles.vertices[i][0] = -triangles.vertices[i][0];
-        triangles.vertices[i][1] = -triangles.vertices[i][1];
-    }
-    status = finish_mesh(status, made, &triangles, set, error);
+    const iso_status status =
+        finish_mesh(iso_api_read_mesh(path, opts->ras, &triangles, error), made, &triangles, set, error);
     iso_triangles_free(&triangles);
     return status;
 }

@@ -72,6 +72,10 @@ class Machine:
             os.remove(self.path(frame["path"]))
         return Number(report["seconds"]["render"] / frames, command)
 
+    def gl_seconds_a_frame(self, frames, *words):
+        """The same by the gl engine."""
+        return self.seconds_a_frame(frames, *words, "--backend", self.gl_backend()[0])
+
     def compare(self, truth, candidate, *words):
         """Metrics of two pictures in the folder; returns a function from the metric's name to a Number."""
         report, command = self.report("isocompare", "images", truth, candidate, *words)

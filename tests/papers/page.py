@@ -67,6 +67,21 @@ def style(folder):
     return ""
 
 
+def missing_pictures(papers, folder):
+    """Pairs of a table's name and a file: pictures of tables that were measured before and are no longer there."""
+    return [(table["name"], picture["file"]) for table in papers["tables"] for picture in table["pictures"]
+            if not os.path.exists(os.path.join(folder, picture["file"]))]
+
+
+def html_picture(picture, folder):
+    path = os.path.join(folder, picture["file"])
+    if not os.path.exists(path):
+        return "<p class=soft>%s is not here: it was drawn when the table was measured.</p>" % html.escape(picture["file"])
+    with open(path, "rb") as file:
+        data = base64.b64encode(file.read()).decode()
+    return '<img alt="%s" src="data:image/png;base64,%s">' % (html.escape(picture["caption"]), data)
+
+
 def html_table(table, folder):
     yield '<h3 id="%s">%s</h3>\n<p class=soft>%s</p>\n' % (table["name"], html.escape(table["title"]), html.escape(table["text"]))
     yield "<p><b>%s.</b> %s <span class=soft>%s</span></p>\n" % (HOLDS[table["holds"]].capitalize(),
@@ -89,12 +104,8 @@ def html_table(table, folder):
     if table["pictures"]:
         yield '<div class=row style="--columns:%d">\n' % max(3, min(5, len(table["pictures"])))
         for picture in table["pictures"]:
-            with open(os.path.join(folder, picture["file"]), "rb") as file:
-                data = base64.b64encode(file.read()).decode()
-            yield ('<figure class=shot><img alt="%s" src="data:image/png;base64,%s"><figcaption>%s<br><span>'
-                   "<code>%s</code></span></figcaption></figure>\n"
-                   % (html.escape(picture["caption"]), data, html.escape(picture["caption"]),
-                      html.escape(picture["command"])))
+            yield ("<figure class=shot>%s<figcaption>%s<br><span><code>%s</code></span></figcaption></figure>\n"
+                   % (html_picture(picture, folder), html.escape(picture["caption"]), html.escape(picture["command"])))
         yield "</div>\n"
 
 

@@ -391,10 +391,145 @@ static void test_field_errors(void **state) {
     assert_null(none);
 }
 
+/* ---- lines of meshes */
+
+enum {
+    RINGS = 20,
+    SIDES = 8,
+    LEAF = 6,
+    TUBE_VERTICES = RINGS * SIDES,
+    BRANCH_VERTICES = TUBE_VERTICES + LEAF + 4
+};
+enum { TUBE_TRIANGLES = 2 * SIDES * (RINGS - 1), BRANCH_TRIANGLES = TUBE_TRIANGLES + 4 + 4 };
+
+/* A tube along z, whose radius grows from .5 to 1; a leaf beside it; and a tetrahedron, which is neither. */
+static iso_mesh make_branches(double x) {
+    static float positions[BRANCH_VERTICES][3];
+    static const double around[SIDES][2] = {{1, 0},  {.8, .6},   {0, 1},  {-.8, .6},
+                                            {-1, 0}, {-.8, -.6}, {0, -1}, {.8, -.6}};
+    static const float leaf[LEAF][3] = {{9, 0, 0}, {8, 0, 2}, {10, 0, 2}, {8, 0, 5}, {10, 0, 5}, {9, 0, 8}};
+    static const float solid[4][3] = {{20, 0, 0}, {25, 0, 0}, {20, 5, 0}, {20, 0, 5}};
+    static uint32_t triangles[BRANCH_TRIANGLES][3];
+    static const uint32_t others[8][3] = {{0, 2, 1}, {1, 2, 4}, {1, 4, 3}, {3, 4, 5},
+                                          {6, 8, 7}, {6, 7, 9}, {6, 9, 8}, {7, 8, 9}};
+    for (int ring = 0, count = 0; ring < RINGS; ring++)
+        for (int i = 0; i < SIDES; i++) {
+            const double radius = 0.5 + 0.5 * ring / (RINGS - 1);
+            const uint32_t a = (uint32_t)(ring * SIDES + i), b = (uint32_t)(ring * SIDES + (i + 1) % SIDES);
+            float *at = positions[a];
+            at[0] = (float)(x + radius * around[i][0]), at[1] = (float)(radius * around[i][1]),
+            at[2] = (float)ring;
+            if (!ring) continue;
+            memcpy(triangles[count++], ((uint32_t[3]){a - SIDES, b - SIDES, b}), sizeof triangles[0]);
+            memcpy(triangles[count++], ((uint32_t[3]){a - SIDES, b, a}), sizeof triangles[0]);
+        }
+    for (int i = 0; i < LEAF + 4; i++)
+        for (int k = 0; k < 3; k++)
+            positions[TUBE_VERTICES + i][k] = (i < LEAF ? leaf[i] : solid[i - LEAF])[k] + (k ? 0 : (float)x);
+    for (int i = 0; i < 8; i++)
+        for (int k = 0; k < 3; k++) triangles[TUBE_TRIANGLES + i][k] = TUBE_VERTICES + others[i][k];
+    return (iso_mesh){.positions = positions,
+                      .triangles = triangles,
+                      .vertex_count = BRANCH_VERTICES,
+                      .triangle_count = BRANCH_TRIANGLES};
+}
+
+/* The tube's rings are the vertices of its line, also far from the origin; the leaf is a ribbon. */
+static void check_branches(const iso_branches *branches, double x, double sign) {
+    assert_true(branches->pieces == 3 && branches->tube_pieces == 1 && branches->ribbon_pieces == 1);
+    assert_true(branches->tubes.line_count == 1 && branches->tubes.starts[1] == RINGS);
+    for (int i = 0; i < RINGS; i++) {
+        const float *at = branches->tubes.vertices + 3 * i;
+        assert_true(fabs((double)at[0] - sign * x) < 1e-3 && fabs((double)at[1]) < 1e-3);
+        assert_true(fabs((double)branches->tubes.radii[i] - 0.5 - 0.5 * (double)at[2] / (RINGS - 1)) < 1e-3);
+    }
+    assert_true(branches->ribbons.line_count == 1 && branches->ribbons.starts[1] == 4);
+    for (int i = 1; i < 3; i++) {
+        assert_true(fabs((double)branches->ribbons.vertices[3 * i] - sign * (x + 9)) < 1e-3);
+        assert_true(fabs((double)branches->ribbons.radii[i] - 1) < 1e-3);
+        assert_true(fabs((double)branches->ribbons.normals[3 * i + 1]) > 0.999);
+    }
+    assert_true(branches->rest.triangle_count == 4 && branches->left_out == 0);
+}
+
+static void write_off(const iso_mesh *mesh, const char *path) {
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file, "OFF\n%zu %zu 0\n", mesh->vertex_count, mesh->triangle_count);
+    for (size_t i = 0; i < mesh->vertex_count; i++)
+        fprintf(file, "%.9g %.9g %.9g\n", (double)mesh->positions[i][0], (double)mesh->positions[i][1],
+                (double)mesh->positions[i][2]);
+    for (size_t i = 0; i < mesh->triangle_count; i++)
+        fprintf(file, "3 %u %u %u\n", mesh->triangles[i][0], mesh->triangles[i][1], mesh->triangles[i][2]);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Its lines are drawn as wide as the mesh itself, of which the tube's polygon hides a part. */
+static void test_branches(void **state) {
+    (void)state;
+    const char *path = ISO_TEST_TMP "/public_branches.off";
+    iso_branches made[3] = {{.pieces = 0}, {.pieces = 0}, {.pieces = 0}}, none = {.pieces = 0};
+    iso_mesh mesh = make_branches(20000);
+    assert_int_equal(iso_branches_of_mesh(&mesh, &made[0], NULL), ISO_OK);
+    check_branches(&made[0], 20000, 1);
+    mesh = make_branches(0);
+    write_off(&mesh, path);
+    assert_int_equal(iso_branches_read(path, false, &made[1], NULL), ISO_OK);
+    check_branches(&made[1], 0, 1);
+    assert_int_equal(iso_branches_read(path, true, &made[2], NULL), ISO_OK);
+    check_branches(&made[2], 0, -1);
+
+    iso_shape_set *sets[3] = {NULL, NULL, NULL}, *whole = NULL;
+    iso_image lines = {0}, triangles = {0};
+    assert_int_equal(
+        iso_shape_set_of_lines(&made[1].tubes, &(iso_shape_set_opts){.flat_caps = true}, &sets[0], NULL),
+        ISO_OK);
+    assert_int_equal(
+        iso_shape_set_of_lines(&made[1].ribbons, &(iso_shape_set_opts){.ribbons = true}, &sets[1], NULL),
+        ISO_OK);
+    assert_int_equal(iso_shape_set_of_mesh(&made[1].rest, NULL, &sets[2], NULL), ISO_OK);
+    assert_int_equal(iso_shape_set_of_mesh(&mesh, NULL, &whole, NULL), ISO_OK);
+    const iso_box box = {{-1, -1, 0}, {25, 5, 19}};
+    iso_camera camera;
+    assert_int_equal(iso_camera_of_box(&box, 384, 288, NULL, &camera, NULL), ISO_OK);
+    iso_render_opts opts = {.width = 384,
+                            .height = 288,
+                            .shapes = sets,
+                            .shapes_count = 3,
+                            .camera = &camera,
+                            .transparent = true};
+    assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &lines, NULL), ISO_OK);
+    opts.shapes = &whole, opts.shapes_count = 1;
+    assert_int_equal(iso_render_surfaces(NULL, 0, &opts, &triangles, NULL), ISO_OK);
+    size_t both = 0, either = 0;
+    for (size_t i = 3; i < 4 * 384 * 288; i += 4) {
+        both += lines.rgba[i] > 127 && triangles.rgba[i] > 127;
+        either += lines.rgba[i] > 127 || triangles.rgba[i] > 127;
+    }
+    assert_true(either > 9000 && (double)both > 0.95 * (double)either);
+
+    iso_error error = {.text = ""};
+    iso_mesh solid = made[1].rest, bad = mesh;
+    assert_int_equal(iso_branches_of_mesh(&solid, &none, &error), ISO_ERR_EMPTY);
+    assert_non_null(strstr(error.text, "not made of thin branches"));
+    bad.vertex_count = 5;
+    assert_int_equal(iso_branches_of_mesh(&bad, &none, NULL), ISO_ERR_USAGE);
+    assert_int_equal(iso_branches_of_mesh(&(iso_mesh){.positions = NULL}, &none, NULL), ISO_ERR_EMPTY);
+    assert_int_equal(iso_branches_read(NULL, false, &none, NULL), ISO_ERR_USAGE);
+    assert_int_equal(iso_branches_read(ISO_TEST_TMP "/absent.off", false, &none, NULL), ISO_ERR_IO);
+    for (int i = 0; i < 3; i++) iso_branches_free(&made[i]);
+    for (int i = 0; i < 3; i++) iso_shape_set_destroy(sets[i]);
+    iso_shape_set_destroy(whole);
+    iso_image_free(&lines);
+    iso_image_free(&triangles);
+    iso_branches_free(&none);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_translucent_shapes),
         cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_branches),
         cmocka_unit_test(test_figures),
         cmocka_unit_test(test_annotations),
         cmocka_unit_test(test_cuts),
