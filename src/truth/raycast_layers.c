@@ -171,7 +171,11 @@ static bool add_opaque(const sample_ray *s, int x, int y, light *l) {
                                   : shading->colors[surface < last ? surface : last];
     float rgb[3] = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255};
     const bool lit = normal[0] != 0 || normal[1] != 0 || normal[2] != 0 || !has_own;
-    if (lit) iso_shade_sample(normal, s->to_eye, color, rgb);
+    if (lit && (opaque->ambient || opaque->key))
+        iso_shade_occluded(normal, s->to_eye, color, opaque->ambient ? opaque->ambient[at] : 1,
+                           opaque->key ? opaque->key[at] : 1, rgb);
+    else if (lit)
+        iso_shade_sample(normal, s->to_eye, color, rgb);
     for (int k = 0; k < 3; k++) l->color[k] += l->through * (double)rgb[k];
     l->through = 0;
     return true;
