@@ -1,4 +1,5 @@
-/* object_bits: glyphs are tested voxel by voxel; lines and triangles are followed in steps of half a voxel. */
+/* object_bits: glyphs are tested voxel by voxel; lines and triangles are followed in steps of half a
+ * voxel. */
 #include "render/occlusion/object_bits.h"
 
 #include <math.h>
