@@ -701,11 +701,11 @@ typedef struct iso_render_opts {
     int clip_count;
     iso_cut_cap cap;      /* how cuts are closed */
     double cap_values[2]; /* of SLICE: the values that are black and white */
-    /* Light that shows the shape of opaque surfaces. Ambient occlusion: within how many mm surfaces darken
-     * each other; ISO_OCCLUSION_USUAL: a tenth of the volume's longest side; 0: not at all. A soft shadow of
-     * the key light. Dark lines along silhouettes and creases, on dark backgrounds light: their width in
-     * pixels, up to 16; 0: none. What is found out about occlusion is kept by the surface for further
-     * pictures of it alone. */
+    /* Light that shows the shape of what is opaque. Ambient occlusion: within how many mm things darken each
+     * other; ISO_OCCLUSION_USUAL: a tenth of the longest side; 0: not at all. A soft shadow of the key light.
+     * Dark lines along silhouettes and creases, on dark backgrounds light, not beside translucent surfaces:
+     * their width in pixels, up to 16; 0: none. What is found out about occlusion is kept by the surface for
+     * further pictures in which it is the only one. */
     double occlusion;
     bool shadow;
     double outline;

@@ -442,15 +442,24 @@ const char *isorender_light_option(const isorender_settings *settings) {
                                                     : NULL;
 }
 
-/* What is found out with the depths and normals of a picture is of opaque surfaces. */
+/* What is found out with the depths and normals of a picture is of opaque surfaces; occlusion and shadows are
+ * of what is opaque beside translucent ones as well. */
 static iso_status check_lighting(const isorender_settings *settings, iso_error *error) {
     const char *light = isorender_light_option(settings);
-    const char *option = settings->ior > 0                           ? "--ior"
-                         : settings->gaussians                       ? "--method gaussians"
-                         : isorender_is_translucent(settings)        ? "--opacity below 1"
-                         : isorender_object_opacity_option(settings) ? "translucent objects"
-                                                                     : NULL;
+    const char *translucent = isorender_is_translucent(settings)          ? "--opacity below 1"
+                              : isorender_object_opacity_option(settings) ? "translucent objects"
+                                                                          : NULL;
+    const bool beside =
+        settings->lighting == ISO_LIGHTING_PHONG && isorender_method_can(settings, ISO_CAN_LIT_LAYERS);
+    const char *option = settings->ior > 0     ? "--ior"
+                         : settings->gaussians ? "--method gaussians"
+                         : beside              ? NULL
+                                               : translucent;
     if (!light) return ISO_OK;
+    if (!option && translucent && settings->outline > 0) {
+        light = "--outline";
+        option = translucent;
+    }
     if (option)
         return iso_fail(error, ISO_ERR_USAGE, "%s is of opaque surfaces: it cannot be combined with %s",
                         light, option);

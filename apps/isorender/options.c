@@ -511,9 +511,9 @@ static const iso_option options[] = {
      .group = PICTURE, .standard = "phong", CHOICE(lighting, lightings)},
     {"occlusion", NULL, "MM",
      "ambient occlusion: what is surrounded by surfaces within MM, as hollows and clefts, is darker; of "
-     "opaque surfaces of volumes",
-     .group = PICTURE, .standard = "none; without MM a tenth of the volume's longest side",
-     CALL(apply_occlusion), .flags = ISO_OPTION_VALUE_OPTIONAL},
+     "what is opaque: surfaces of volumes, lines, glyphs and meshes",
+     .group = PICTURE, .standard = "none; without MM a tenth of the longest side", CALL(apply_occlusion),
+     .flags = ISO_OPTION_VALUE_OPTIONAL},
     {"shadow", NULL, NULL, "a soft shadow of the key light, which comes from above left", .group = PICTURE,
      FLAG(shadow)},
     {"outline", NULL, "PX",

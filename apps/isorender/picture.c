@@ -501,8 +501,12 @@ static void note_occlusion(const isorender_job *job) {
     const isorender_settings *settings = job->settings;
     if (settings->occlusion == 0 && !settings->shadow) return;
     for (int i = 0; i < job->surface_count; i++)
-        if (!job->surfaces[i].loader->has_points) return;
-    isorender_log(job, "note: %s of surfaces of volumes: there is none in the picture",
+        if (!job->surfaces[i].loader->has_points && job->surfaces[i].translucency.opacity >= 1) return;
+    for (int i = 0; i < job->object_count; i++)
+        if (iso_scene_object_is_opaque(&job->objects[i].scene)) return;
+    isorender_log(job,
+                  "note: %s of opaque surfaces of volumes, lines, glyphs and meshes: there is none in the "
+                  "picture",
                   settings->occlusion != 0 ? "--occlusion is" : "--shadow is");
 }
 

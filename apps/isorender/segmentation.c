@@ -248,6 +248,7 @@ static void add_surface(isorender_job *job, isorender_segmentation *s, int group
                                          .transparency = (iso_transparency)job->settings->transparency,
                                          .bins = job->settings->group_bins,
                                          .selection = (iso_point_selection)job->settings->selection,
+                                         .borders = true,
                                          .filter = (iso_filter)job->settings->filter,
                                          .lod_pixels = isorender_detail_pixels(job->settings),
                                          .workspace = job->point_workspace};

@@ -211,16 +211,28 @@ static bool clip_box(const extent *of_label, const extent *zone, extent *clipped
     return true;
 }
 
-/* mask = 0 at voxels of the label, or at all others. */
-static void make_mask(const block *b, int label, const extent *box, const int size[3], bool inside) {
+/* mask = 0 at voxels of the label. */
+static void make_mask(const block *b, int label, const extent *box, const int size[3]) {
     for (int z = 0; z < size[2]; z++)
         for (int y = 0; y < size[1]; y++) {
             const int skipped = FILTER - b->s->margin;
             const size_t row =
                 index_in(b->window, box->lo[0] + skipped, box->lo[1] + y + skipped, box->lo[2] + z + skipped);
-            b->all->kernel->mask(b->s->window + row, size[0], (uint16_t)label, inside,
+            b->all->kernel->mask(b->s->window + row, size[0], (uint16_t)label,
                                  b->s->mask + index_in(size, 0, y, z));
         }
+}
+
+/* mask = 0 at all other voxels. */
+static void invert_mask(uint8_t *mask, const int size[3]) {
+    const size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
+    const uint64_t flip = FAR * (uint64_t)0x0101010101010101;
+    for (size_t i = 0; i < count; i += sizeof flip) { /* (there is slack behind the last one) */
+        uint64_t eight;
+        memcpy(&eight, mask + i, sizeof eight);
+        eight ^= flip;
+        memcpy(mask + i, &eight, sizeof eight);
+    }
 }
 
 /* out = the filter of the signed distances. */
@@ -286,9 +298,9 @@ static void make_field(const block *b, near_label *near, const extent *box, bool
         masked[k] = far[k] + 2 * ISO_LABEL_REACH;
         count *= (size_t)far[k];
     }
-    make_mask(b, label, box, masked, true);
+    make_mask(b, label, box, masked);
     kernel->squares(s->mask, far, s->work8, s->to_inside);
-    make_mask(b, label, box, masked, false);
+    invert_mask(s->mask, masked);
     kernel->squares(s->mask, far, s->work8, s->to_outside);
     kernel->signed_distance(s->to_outside, s->to_inside, count, s->distance);
     if (kept)
@@ -483,6 +495,13 @@ static inline bool is_of_one_label(const uint16_t *row[4], int x) {
     return !other;
 }
 
+/* Whether four rows of n voxels have one label. */
+static bool are_of_one_label(const uint16_t *row[4], int x, int n) {
+    for (int i = 0; i < 4; i++)
+        if (row[i][x] != row[0][x] || run_end(row[i] + x, 0, n) < n) return false;
+    return true;
+}
+
 /* Marks the voxels of a brick that are corners of a cell with several labels. */
 static void mark_mixed(const block *b, const extent *part, bool mixed[ISO_BRICK_VOXELS]) {
     memset(mixed, 0, ISO_BRICK_VOXELS * sizeof *mixed);
@@ -491,6 +510,7 @@ static void mark_mixed(const block *b, const extent *part, bool mixed[ISO_BRICK_
             const int at[2] = {part->lo[1] + y, part->lo[2] + z};
             const uint16_t *row[4] = {window_row(b, at[0], at[1]), window_row(b, at[0] + 1, at[1]),
                                       window_row(b, at[0], at[1] + 1), window_row(b, at[0] + 1, at[1] + 1)};
+            if (are_of_one_label(row, part->lo[0] - 1, ISO_BRICK + 2)) continue;
             for (int x = -1; x < ISO_BRICK; x++) {
                 if (is_of_one_label(row, part->lo[0] + x)) continue;
                 for (int corner = 0; corner < 8; corner++) {

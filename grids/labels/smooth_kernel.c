@@ -23,15 +23,13 @@ ISO_INLINE byte_lanes least_bytes(byte_lanes a, byte_lanes b) {
 typedef uint16_t label_lanes __attribute__((vector_size(4 * ISO_LANES)));
 typedef uint8_t half_byte_lanes __attribute__((vector_size(2 * ISO_LANES)));
 
-static void mask(const uint16_t *row, int n, uint16_t label, bool inside, uint8_t *mask) {
-    const uint16_t of_label = inside ? 0 : ISO_LABEL_FAR_SQUARE,
-                   of_others = inside ? ISO_LABEL_FAR_SQUARE : 0;
+static void mask(const uint16_t *row, int n, uint16_t label, uint8_t *mask) {
+    const uint16_t of_others = ISO_LABEL_FAR_SQUARE;
     for (int i = 0; i < n; i += 2 * ISO_LANES) {
         label_lanes numbers;
         memcpy(&numbers, row + i, sizeof numbers);
         const label_lanes equal = (label_lanes)(numbers == label);
-        const half_byte_lanes bytes =
-            __builtin_convertvector((equal & of_label) | (~equal & of_others), half_byte_lanes);
+        const half_byte_lanes bytes = __builtin_convertvector(~equal & of_others, half_byte_lanes);
         memcpy(mask + i, &bytes, sizeof bytes);
     }
 }

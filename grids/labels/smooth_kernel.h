@@ -6,7 +6,6 @@
 #ifndef ISO_GRIDS_LABELS_SMOOTH_KERNEL_H
 #define ISO_GRIDS_LABELS_SMOOTH_KERNEL_H
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -21,8 +20,8 @@ enum {
 
 /* Blocks of voxels have the sizes n[0] x n[1] x n[2], x fastest, without gaps. */
 typedef struct iso_smooth_kernel {
-    /* mask[i] = 0 where row[i] is the label, or where it is not (not `inside`); else ISO_LABEL_FAR_SQUARE. */
-    void (*mask)(const uint16_t *row, int n, uint16_t label, bool inside, uint8_t *mask);
+    /* mask[i] = 0 where row[i] is the label, else ISO_LABEL_FAR_SQUARE. */
+    void (*mask)(const uint16_t *row, int n, uint16_t label, uint8_t *mask);
     /* far[i] = the squared distance from voxel i to the nearest one with in[] == 0, of voxels with 0 or
      * ISO_LABEL_FAR_SQUARE; at most ISO_LABEL_FAR_SQUARE. `in` is larger than `far` by ISO_LABEL_REACH on all
      * six sides. `n`: of `far`. `work`: 2 bytes for each voxel of `in`. */

@@ -501,8 +501,10 @@ static iso_status set_up_light(rendering *r, const iso_render_opts *opts, iso_er
     r->picture.outline = opts->outline;
     r->picture.shading.ink = iso_outline_color(r->picture.shading.background, opts->transparent);
     if (opts->occlusion == 0 && !opts->shadow && opts->outline == 0) return ISO_OK;
-    if (r->translucent || opts->glass)
-        return iso_fail(error, ISO_ERR_USAGE, "occlusion, shadows and outlines are of opaque surfaces");
+    const bool beside = r->renderer->can & ISO_CAN_LIT_LAYERS && opts->outline == 0;
+    if ((r->translucent && !beside) || opts->glass)
+        return iso_fail(error, ISO_ERR_USAGE, "occlusion, shadows and outlines are of opaque surfaces%s",
+                        opts->glass ? "" : ": beside translucent ones exact and raycast have the first two");
     if (opts->instances && (opts->occlusion != 0 || opts->shadow))
         return iso_fail(error, ISO_ERR_USAGE, "instances do not darken each other");
     if (!(r->renderer->can & ISO_CAN_OCCLUSION))

@@ -59,6 +59,7 @@ static iso_status make_labels(iso_surface *surface, const iso_surface_opts *opts
     iso_free(group);
     if (status == ISO_OK)
         surface->scene.grid = (iso_grid){.hgrid = iso_label_fields_grid(surface->label_fields, 1)};
+    surface->scene.borders = true;
     return status;
 }
 

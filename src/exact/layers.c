@@ -107,6 +107,7 @@ static void set_up_layer(layers_draw *draw, int number) {
                                          .fall_leaves = l->input->exact->surface.normal_sign < 0};
     l->pass = (iso_layer_pass){.surface = number,
                                .most_layers = translucency->most_layers,
+                               .gap = translucency->gap,
                                .tolerance = (float)(SAME_CROSSING * 2 * l->frame.projection.half_depth)};
     if (translucency->absorption_length > 0) {
         draw->absorbs = draw->needs_rays = true;

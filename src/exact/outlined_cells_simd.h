@@ -147,9 +147,10 @@ ISO_INLINE bool add_vector(iso_exact_scratch *scratch, int32_t pixel, int first,
         const int readable = lists->width - x < ISO_LANES ? lists->width - x : ISO_LANES;
         memset(limits, 0, sizeof limits);
         memcpy(limits, limit, (size_t)readable * sizeof *limit);
-        const vm before = v_lt(packed[0] + lists->middle, v_load(limits));
+        const vf depth = packed[0] + lists->middle, ends = v_load(limits);
+        const vm before = v_lt(depth, ends);
         beyond = v_andnot(add, before);
-        add = v_and(add, before);
+        add = v_and(add, v_and(before, v_or(v_eqi(leaves, v_seti(0)), v_lt(depth, ends - lists->pass.gap))));
     }
     const uint32_t added = v_mask(add);
     if (added) {

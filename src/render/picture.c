@@ -45,21 +45,6 @@ static iso_status draw_strip(picture *p, iso_draw_fn *draw, void *context, const
     return draw(context, view, &p->gbuffer, error);
 }
 
-/* Shades a strip with translucent surfaces. */
-static iso_status shade_layers(picture *p, const iso_strip *strip, iso_error *error) {
-    const iso_picture_layers *layers = p->opts->layers;
-    const iso_gbuffer size = {.width = strip->view->width, .height = strip->view->height};
-    iso_strip behind = *strip;
-    size_t covered = 0;
-    if (layers->draw_opaque)
-        ISO_TRY(draw_strip(p, layers->draw_opaque, layers->context, strip->view, error));
-    else
-        behind.gbuffer = &size;
-    ISO_TRY(layers->shade(layers->context, &behind, p->image, p->opts->aov, &covered, error));
-    p->covered += covered;
-    return ISO_OK;
-}
-
 /* The rows of a gbuffer from `first` on. */
 static iso_gbuffer rows_of(const iso_gbuffer *gbuffer, int first, int count) {
     const size_t skipped = (size_t)first * (size_t)gbuffer->width;
@@ -94,7 +79,7 @@ static int reach_of(const iso_picture_opts *opts) {
 }
 
 static bool is_occluded(const iso_picture_opts *opts) {
-    return opts->occlusion && !opts->layers;
+    return opts->occlusion && (!opts->layers || opts->layers->draw_opaque);
 }
 
 /* Finds the light and the lines of rows first .. last of samples. */
@@ -105,6 +90,22 @@ static iso_status light_rows(picture *p, const iso_view *view, int first, int la
         iso_outline_draw(view, p->factor, opts->outline, first, last, &p->gbuffer, opts->pool);
     if (!is_occluded(opts)) return ISO_OK;
     return iso_occlusion_light(opts->occlusion, view, p->factor, first, last, &p->gbuffer, opts->pool, error);
+}
+
+/* Shades a strip with translucent surfaces. */
+static iso_status shade_layers(picture *p, const iso_strip *strip, iso_error *error) {
+    const iso_picture_layers *layers = p->opts->layers;
+    const iso_gbuffer size = {.width = strip->view->width, .height = strip->view->height};
+    iso_strip behind = *strip;
+    size_t covered = 0;
+    if (layers->draw_opaque) {
+        ISO_TRY(draw_strip(p, layers->draw_opaque, layers->context, strip->view, error));
+        ISO_TRY(light_rows(p, strip->view, 0, strip->view->height - 1, error));
+    } else
+        behind.gbuffer = &size;
+    ISO_TRY(layers->shade(layers->context, &behind, p->image, p->opts->aov, &covered, error));
+    p->covered += covered;
+    return ISO_OK;
 }
 
 /* Draws opaque pixel rows, with as many rows above and below as that needs. */

@@ -2,6 +2,8 @@
  * for both. */
 #include "scene/layered_picture.h"
 
+#include <math.h>
+
 #include "scene/coloring.h"
 #include "truth/raycast_layers.h"
 
@@ -34,15 +36,24 @@ static const iso_surface_colors *find_colors(const iso_scene_surface *surface, i
     return colors;
 }
 
+/* How much light passes a surface. Borders that solids share lie within a voxel of each other. */
+static iso_translucency translucency_of(const iso_layered_surface *layered) {
+    iso_translucency translucency = layered->translucency;
+    const iso_transform *transform = iso_grid_transform(&layered->surface->grid);
+    for (int axis = 0; axis < 3 && layered->surface->borders; axis++)
+        translucency.gap = fmaxf(translucency.gap, (float)transform->spacing[axis]);
+    return translucency;
+}
+
 static int list_exact(const iso_layered_picture *picture, iso_surface_colors colors[ISO_LAYERED_MAX],
                       iso_exact_layer layers[ISO_LAYERED_MAX]) {
     int count = 0;
     for (int i = 0; i < picture->count; i++) {
         const iso_scene_surface *surface = picture->surfaces[i].surface;
         if (is_opaque(&picture->surfaces[i])) continue;
-        layers[count] =
-            (iso_exact_layer){surface->exact, picture->shading->colors[i], picture->surfaces[i].translucency,
-                              surface->clip, find_colors(surface, &colors[count])};
+        layers[count] = (iso_exact_layer){surface->exact, picture->shading->colors[i],
+                                          translucency_of(&picture->surfaces[i]), surface->clip,
+                                          find_colors(surface, &colors[count])};
         count++;
     }
     return count;
@@ -74,7 +85,7 @@ static void shade_raycast(iso_layered_picture *picture, const iso_layer_picture 
         const iso_scene_surface *surface = picture->surfaces[i].surface;
         if (is_opaque(&picture->surfaces[i])) continue;
         layers[count] = (iso_raycast_layer){surface->caster, picture->shading->colors[i],
-                                            picture->surfaces[i].translucency, surface->clip,
+                                            translucency_of(&picture->surfaces[i]), surface->clip,
                                             find_colors(surface, &colors[count])};
         count++;
     }

@@ -22,7 +22,8 @@ typedef enum iso_capability {
     ISO_CAN_OCCLUSION = 1 << 11,    /* occlusion, shadows and outlines of opaque surfaces */
     ISO_CAN_COLORS = 1 << 12,       /* colours opaque surfaces by data (coloring.h) */
     ISO_CAN_COLOR_LAYERS = 1 << 13, /* the same of translucent surfaces */
-    ISO_CAN_SMOOTH = 1 << 14        /* draws the isosurface of a spline (iso_filter) */
+    ISO_CAN_SMOOTH = 1 << 14,       /* draws the isosurface of a spline (iso_filter) */
+    ISO_CAN_LIT_LAYERS = 1 << 15    /* occlusion and shadows of what is opaque beside translucent surfaces */
 } iso_capability;
 
 typedef struct iso_renderer {

@@ -1,4 +1,4 @@
-/* occluders: voxels of grids become bits, brick by brick. */
+/* occluders: voxels of grids become bits, brick by brick; objects are added to them. */
 #include "scene/occluders.h"
 
 #include <math.h>
@@ -7,10 +7,13 @@
 #include "base/memory.h"
 #include "grids/change_log.h"
 #include "grids/threshold.h"
+#include "render/occlusion/object_bits.h"
 #include "render/shading/phong.h"
 
 /* Empty voxels around the surfaces, so that what lies at a border has nodes. */
 enum { MARGIN = 2 };
+/* Voxels along the longest side of a lattice of objects alone. */
+enum { OBJECT_VOXELS = 256 };
 static const uint64_t MOST_BYTES = (uint64_t)1 << 30;
 
 /* ---- the lattice */
@@ -19,16 +22,48 @@ static bool equal_transforms(const iso_transform *a, const iso_transform *b) {
     return memcmp(a, b, sizeof *a) == 0;
 }
 
-/* The box of a surface's voxels in the index coordinates of the first surface. */
-static iso_box box_in_first(const iso_scene_surface *surface, const iso_affine *first) {
-    const iso_affine own = iso_transform_affine(iso_grid_transform(&surface->grid));
-    const int *dims = iso_grid_dims(&surface->grid);
-    const iso_box voxels = {{0, 0, 0}, {dims[0] - 1, dims[1] - 1, dims[2] - 1}};
+/* Adds a box in the index coordinates `own` to one in those of the lattice's voxels. */
+static void add_box(iso_box *box, const iso_affine *first, const iso_box *more, const iso_affine *own) {
+    for (int corner = 0; corner < 8 && !iso_box_is_empty(more); corner++)
+        iso_box_add(box,
+                    iso_affine_point_to_index(first, iso_affine_point(own, iso_box_corner(more, corner))));
+}
+
+/* The box of the objects, in the world. */
+static iso_box box_of_objects(const iso_occluding *all) {
     iso_box box = iso_box_empty();
-    for (int corner = 0; corner < 8; corner++)
-        iso_box_add(
-            &box, iso_affine_point_to_index(first, iso_affine_point(&own, iso_box_corner(&voxels, corner))));
+    for (int i = 0; i < all->object_count; i++) {
+        const iso_box own = iso_scene_object_bounds(all->objects[i]);
+        if (iso_box_is_empty(&own)) continue;
+        iso_box_add(&box, own.lo);
+        iso_box_add(&box, own.hi);
+    }
     return box;
+}
+
+/* The index coordinates of the lattice's voxels before it is made coarser, and the box of what is in it. */
+static iso_affine find_voxels(const iso_occluding *all, const iso_box *objects, iso_box *box) {
+    const iso_transform identity = iso_transform_identity();
+    const iso_affine world = iso_transform_affine(&identity);
+    iso_transform cubes = identity;
+    if (!all->count && !iso_box_is_empty(objects)) {
+        const iso_vec3 size = iso_vec3_sub(objects->hi, objects->lo);
+        const double longest = fmax(size.x, fmax(size.y, size.z));
+        for (int axis = 0; axis < 3; axis++) cubes.spacing[axis] = longest > 0 ? longest / OBJECT_VOXELS : 1;
+        iso_vec3_store(objects->lo, cubes.origin);
+    }
+    const iso_affine first =
+        iso_transform_affine(all->count ? iso_grid_transform(&all->surfaces[0]->grid) : &cubes);
+    *box = iso_box_empty();
+    for (int i = 0; i < all->count; i++) {
+        const iso_affine own = iso_transform_affine(iso_grid_transform(&all->surfaces[i]->grid));
+        const int *dims = iso_grid_dims(&all->surfaces[i]->grid);
+        const iso_box voxels = {{0, 0, 0}, {dims[0] - 1, dims[1] - 1, dims[2] - 1}};
+        add_box(box, &first, &voxels, &own);
+    }
+    add_box(box, &first, objects, &world);
+    if (iso_box_is_empty(box)) iso_box_add(box, iso_vec3_make(0, 0, 0));
+    return first;
 }
 
 /* The size of the lattice with voxels of `coarse` voxels of the first surface's grid. */
@@ -40,15 +75,9 @@ static void size_lattice(const iso_box *box, int coarse, int origin[3], int dims
     }
 }
 
-static iso_status make_lattice(iso_occluders *o, const iso_scene_surface *const *surfaces, int count,
-                               uint64_t most, iso_error *error) {
-    const iso_affine first = iso_transform_affine(iso_grid_transform(&surfaces[0]->grid));
-    iso_box box = iso_box_empty();
-    for (int i = 0; i < count; i++) {
-        const iso_box own = box_in_first(surfaces[i], &first);
-        iso_box_add(&box, own.lo);
-        iso_box_add(&box, own.hi);
-    }
+static iso_status make_lattice(iso_occluders *o, const iso_occluding *all, uint64_t most, iso_error *error) {
+    iso_box box;
+    const iso_affine first = find_voxels(all, &o->box, &box);
     int coarse = 1, dims[3];
     for (;; coarse *= 2) {
         const double side = fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
@@ -69,7 +98,7 @@ static iso_status make_lattice(iso_occluders *o, const iso_scene_surface *const 
     }
     affine.determinant *= (double)coarse * coarse * coarse;
     ISO_TRY(iso_solid_bits_create(dims, &affine, &o->bits, error));
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < all->count; i++)
         if (o->occluders[i].clip.count && !o->removed.words)
             ISO_TRY(iso_solid_bits_create(dims, &affine, &o->removed, error));
     o->coarse = coarse;
@@ -270,9 +299,11 @@ static iso_clip clip_of(const iso_scene_surface *surface) {
     return clip;
 }
 
-static bool is_of(const iso_occluders *o, const iso_scene_surface *const *surfaces, int count) {
-    if (!o->coarse || o->count != count) return false;
-    for (int i = 0; i < count; i++) {
+static bool is_of(const iso_occluders *o, const iso_occluding *all) {
+    const iso_scene_surface *const *surfaces = all->surfaces;
+    const iso_box box = box_of_objects(all);
+    if (!o->coarse || o->count != all->count || memcmp(&box, &o->box, sizeof box) != 0) return false;
+    for (int i = 0; i < all->count; i++) {
         const iso_occluder *occluder = &o->occluders[i];
         if (occluder->grid.rgrid != surfaces[i]->grid.rgrid ||
             occluder->grid.hgrid != surfaces[i]->grid.hgrid || occluder->isovalue != surfaces[i]->isovalue)
@@ -287,19 +318,47 @@ void iso_occluders_free(iso_occluders *o) {
     iso_occlusion_free(&o->occlusion);
     iso_solid_bits_free(&o->bits);
     iso_solid_bits_free(&o->removed);
+    iso_solid_bits_free(&o->things);
     *o = (iso_occluders){.coarse = 0};
 }
 
-static iso_status make(iso_occluders *o, const iso_scene_surface *const *surfaces, int count, uint64_t most,
-                       iso_pool *pool, iso_error *error) {
+/* Adds what objects fill to the bits; it is drawn anew, as nothing says whether an object has changed. */
+static iso_status add_objects(iso_occluders *o, const iso_occluding *all, iso_pool *pool, iso_error *error) {
+    const size_t words = o->bits.layer * (size_t)o->bits.dims[2];
+    iso_solid_bits now;
+    if (!all->object_count) return ISO_OK;
+    ISO_TRY(iso_solid_bits_create(o->bits.dims, &o->bits.affine, &now, error));
+    for (int i = 0; i < all->object_count; i++) {
+        const iso_scene_object *object = all->objects[i];
+        const iso_mesh_view mesh = iso_triangle_spans_view(&object->spans);
+        if (object->shapes)
+            iso_solid_bits_add_shapes(&now, object->shapes, object->clip, pool);
+        else
+            iso_solid_bits_add_mesh(&now, &mesh, object->clip, pool);
+    }
+    if (o->things.words && memcmp(o->things.words, now.words, words * sizeof *now.words) != 0) {
+        fill_all(o, pool);
+        iso_occlusion_reset(&o->occlusion);
+    }
+    iso_solid_bits_free(&o->things);
+    o->things = now;
+    o->occlusion.things = &o->things;
+    for (size_t i = 0; i < words; i++) o->bits.words[i] |= now.words[i];
+    return ISO_OK;
+}
+
+static iso_status make(iso_occluders *o, const iso_occluding *all, uint64_t most, iso_pool *pool,
+                       iso_error *error) {
+    const iso_scene_surface *const *surfaces = all->surfaces;
     iso_occluders_free(o);
-    o->count = count;
-    for (int i = 0; i < count; i++)
+    o->count = all->count;
+    o->box = box_of_objects(all);
+    for (int i = 0; i < all->count; i++)
         o->occluders[i] =
             (iso_occluder){surfaces[i]->grid, surfaces[i]->isovalue,
                            iso_change_log_now(iso_grid_log(&surfaces[i]->grid)), clip_of(surfaces[i])};
-    ISO_TRY(make_lattice(o, surfaces, count, most, error));
-    fill_all(o, pool);
+    ISO_TRY(make_lattice(o, all, most, error));
+    if (o->count) fill_all(o, pool);
     o->occlusion = (iso_occlusion){.bits = &o->bits, .removed = o->removed.words ? &o->removed : NULL};
     for (int axis = 0; axis < 3; axis++) {
         o->occlusion.lo[axis] = MARGIN;
@@ -308,14 +367,16 @@ static iso_status make(iso_occluders *o, const iso_scene_surface *const *surface
     return ISO_OK;
 }
 
-static iso_status update_lattice(iso_occluders *o, const iso_scene_surface *const *surfaces, int count,
-                                 const iso_occlusion_opts *opts, iso_pool *pool, iso_error *error) {
+static iso_status update_lattice(iso_occluders *o, const iso_occluding *all, const iso_occlusion_opts *opts,
+                                 iso_pool *pool, iso_error *error) {
     const uint64_t most = opts->most_bytes ? opts->most_bytes : MOST_BYTES;
-    if (!is_of(o, surfaces, count)) return make(o, surfaces, count, most, pool, error);
-    const filling f = start_filling(o);
-    if (!can_follow(o, &f)) return make(o, surfaces, count, most, pool, error);
-    follow_edits(o, &f);
-    return ISO_OK;
+    const bool same = is_of(o, all);
+    const filling f = same ? start_filling(o) : (filling){.occluders = NULL};
+    if (same && can_follow(o, &f))
+        follow_edits(o, &f);
+    else
+        ISO_TRY(make(o, all, most, pool, error));
+    return add_objects(o, all, pool, error);
 }
 
 /* ---- what pictures need */
@@ -348,12 +409,12 @@ static void set_occlusion(iso_occluders *o, const iso_occlusion_opts *opts, cons
     if (opts->shadow) iso_occlusion_turn(occlusion, light_of(camera));
 }
 
-iso_status iso_occluders_update(iso_occluders *o, const iso_scene_surface *const *surfaces, int count,
-                                const iso_occlusion_opts *opts, const iso_camera *camera, iso_pool *pool,
-                                iso_occlusion **occlusion, iso_error *error) {
+iso_status iso_occluders_update(iso_occluders *o, const iso_occluding *all, const iso_occlusion_opts *opts,
+                                const iso_camera *camera, iso_pool *pool, iso_occlusion **occlusion,
+                                iso_error *error) {
     *occlusion = NULL;
-    if (!count || !(opts->ambient || opts->shadow)) return ISO_OK;
-    const iso_status status = update_lattice(o, surfaces, count, opts, pool, error);
+    if (!(all->count || all->object_count) || !(opts->ambient || opts->shadow)) return ISO_OK;
+    const iso_status status = update_lattice(o, all, opts, pool, error);
     if (status != ISO_OK) {
         iso_occluders_free(o);
         return status;
@@ -364,5 +425,8 @@ iso_status iso_occluders_update(iso_occluders *o, const iso_scene_surface *const
 }
 
 size_t iso_occluders_bytes(const iso_occluders *o) {
-    return o->coarse ? (size_t)iso_solid_bits_bytes(o->bits.dims) + iso_occlusion_bytes(&o->occlusion) : 0;
+    const size_t lattices = o->things.words ? 2 : 1;
+    return o->coarse
+               ? lattices * (size_t)iso_solid_bits_bytes(o->bits.dims) + iso_occlusion_bytes(&o->occlusion)
+               : 0;
 }

@@ -310,15 +310,17 @@ static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, is
 
 /* Sets opts->occlusion. */
 static iso_status find_occlusion(const iso_scene *scene, iso_picture_opts *opts, iso_error *error) {
-    const iso_scene_surface *surfaces[ISO_OCCLUDERS_MAX];
-    int count = 0;
-    for (int i = 0; i < scene->count && count < ISO_OCCLUDERS_MAX; i++) {
+    iso_occluding all = {.count = 0};
+    for (int i = 0; i < scene->count && all.count < ISO_OCCLUDERS_MAX; i++) {
         const iso_scene_surface *surface = scene->surfaces[i].surface;
         if (scene->surfaces[i].translucency.opacity >= 1 && (surface->grid.rgrid || surface->grid.hgrid))
-            surfaces[count++] = surface;
+            all.surfaces[all.count++] = surface;
     }
-    return iso_occluders_update(scene->occluders, surfaces, count, &scene->occlusion, opts->camera,
-                                opts->pool, &opts->occlusion, error);
+    for (int i = 0; i < scene->object_count && all.object_count < ISO_SURFACE_MAX; i++)
+        if (iso_scene_object_is_opaque(scene->objects[i]))
+            all.objects[all.object_count++] = scene->objects[i];
+    return iso_occluders_update(scene->occluders, &all, &scene->occlusion, opts->camera, opts->pool,
+                                &opts->occlusion, error);
 }
 
 iso_status iso_scene_render(iso_scene *scene, iso_picture_opts *opts, iso_image *image, size_t *covered,
@@ -329,8 +331,9 @@ iso_status iso_scene_render(iso_scene *scene, iso_picture_opts *opts, iso_image 
     opts->begin_strip = scene->progress ? begin_strip : NULL;
     if (scene->gaussians) return render_gaussians(&d, opts, image, covered, error);
     if (scene->glass) return render_glass(scene, opts, image, covered, error);
+    if (scene->occluders && (!scene->translucent || scene->renderer->can & ISO_CAN_LIT_LAYERS))
+        ISO_TRY(find_occlusion(scene, opts, error));
     if (scene->translucent) return render_layers(&d, opts, image, covered, error);
-    if (scene->occluders) ISO_TRY(find_occlusion(scene, opts, error));
     return is_painted(scene, opts) ? paint(scene, opts, image, covered, error)
                                    : iso_picture_render(opts, image, covered, error);
 }

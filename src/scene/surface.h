@@ -51,6 +51,7 @@ typedef struct iso_scene_surface {
     /* How it is coloured by data in pictures (ISO_CAN_COLORS); borrowed; NULL: in one colour. */
     const struct iso_coloring *coloring;
     bool layered;      /* pictures show it translucent; may be changed */
+    bool borders;      /* its solid and others share their borders, as those of labels do */
     iso_filter filter; /* of the parts CELLS and CASTER; may be changed; the other parts are trilinear */
     double lod_pixels; /* the most that levels of detail are wrong by; 0: all points are drawn */
     /* Of the methods that draw points. NULL: one is made with the points, and owned. */

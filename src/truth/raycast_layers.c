@@ -31,6 +31,17 @@ typedef struct light {
     int layers;
 } light;
 
+/* Whether the ray is after a hit of surface i in its solid. */
+static bool is_inside(const sample_ray *s, int i) {
+    return s->hit[i].falls == s->input->layers[i].caster->level_set;
+}
+
+/* Whether a hit is where a solid borders on the opaque surface. */
+static bool is_border(const sample_ray *s, int i) {
+    const float gap = s->input->layers[i].translucency.gap;
+    return !is_inside(s, i) && !((float)s->hit[i].t < (float)s->limit - gap);
+}
+
 static void next_hit(sample_ray *s, int i) {
     const iso_raycast_layer *layer = &s->input->layers[i];
     const int most = layer->translucency.most_layers;
@@ -38,7 +49,8 @@ static void next_hit(sample_ray *s, int i) {
         s->more[i] = (!most || s->listed[i] < most) &&
                      iso_ray_next(layer->caster->tracer, &s->ray[i], &s->hit[i]) &&
                      (float)s->hit[i].t < (float)s->limit;
-    while (s->more[i] && !iso_raycast_shows(layer->clip, s->origin, s->direction, s->hit[i].t));
+    while (s->more[i] &&
+           (is_border(s, i) || !iso_raycast_shows(layer->clip, s->origin, s->direction, s->hit[i].t)));
     s->listed[i]++;
 }
 
@@ -138,7 +150,7 @@ static void add_layer(sample_ray *s, int i, light *l) {
     for (int k = 0; k < 3; k++) l->color[k] += l->through * crossing.opacity * (double)crossing.rgb[k];
     l->through *= 1 - crossing.opacity;
     l->layers++;
-    s->inside[i] = s->hit[i].falls == s->input->layers[i].caster->level_set;
+    s->inside[i] = is_inside(s, i);
     next_hit(s, i);
 }
 
@@ -159,7 +171,11 @@ static bool add_opaque(const sample_ray *s, int x, int y, light *l) {
                                   : shading->colors[surface < last ? surface : last];
     float rgb[3] = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255};
     const bool lit = normal[0] != 0 || normal[1] != 0 || normal[2] != 0 || !has_own;
-    if (lit) iso_shade_sample(normal, s->to_eye, color, rgb);
+    if (lit && (opaque->ambient || opaque->key))
+        iso_shade_occluded(normal, s->to_eye, color, opaque->ambient ? opaque->ambient[at] : 1,
+                           opaque->key ? opaque->key[at] : 1, rgb);
+    else if (lit)
+        iso_shade_sample(normal, s->to_eye, color, rgb);
     for (int k = 0; k < 3; k++) l->color[k] += l->through * (double)rgb[k];
     l->through = 0;
     return true;

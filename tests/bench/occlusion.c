@@ -76,13 +76,12 @@ static void judge(bench *b) {
     iso_error error;
     iso_gbuffer g;
     const iso_view view = iso_view_make(&b->camera, SIDE, SIDE);
-    const iso_scene_surface *surfaces[] = {&b->surface};
+    const iso_occluding all = {.surfaces = {&b->surface}, .count = 1};
     const iso_occlusion_opts opts = {.ambient = true, .range = b->range};
     iso_occlusion *occlusion;
     if (iso_gbuffer_create(SIDE, SIDE, &g, &error) != ISO_OK ||
         iso_gbuffer_add_plane(&g, &g.ambient, &error) != ISO_OK ||
-        iso_occluders_update(&b->occluders, surfaces, 1, &opts, &b->camera, b->pool, &occlusion, &error) !=
-            ISO_OK)
+        iso_occluders_update(&b->occluders, &all, &opts, &b->camera, b->pool, &occlusion, &error) != ISO_OK)
         stop(&error);
     iso_gbuffer_clear(&g);
     if (draw(b, &view, &g, &error) != ISO_OK ||

@@ -38,6 +38,7 @@ draw one --labels in/plain.nrrd --threads 1
 ISO_CPU=generic draw generic --labels in/plain.nrrd
 for how in exact raycast mesh; do draw $how --labels in/plain.nrrd --method $how --samples 4 --camera iso; done
 for how in exact raycast; do draw see-$how --labels in/plain.nrrd --label all,3:0.4,300:0.5:red --method $how; done
+draw onto --labels in/plain.nrrd --label 3:0.4,7 --camera right
 draw value --labels in/plain.nrrd --label 3,7
 draw range --labels in/plain.nrrd --label 3-7
 draw name --labels in/named.seg.nrrd --label 'LEFT BOX:0A141E' --label 'right*'
@@ -94,6 +95,10 @@ expect(h["value"] == h["range"] and h["table"] == h["slicer"] == h["snap"] != h[
 for name, want in ("table", "left-box"), ("slicer", "left_box"), ("snap", "left, box"):
     label = json.load(open(name + ".json"))["labels"][0]
     expect(label["label"] == 3 and label["name"] == want and label["color"] == "0A141E", "%s: %s" % (name, label))
+# A third of the pixels look through one box at the opaque one behind it: one layer, as the border is that one's.
+onto = json.load(open("onto.json"))["image"]
+single = 2 - onto["layers"]["mean"]
+expect(single > 0.3, "%g of the pixels have one layer" % single)
 named = json.load(open("legend.json"))["labels"]
 expect([(l["label"], l["name"], l["color"]) for l in named] ==
       [(3, "left box", "FF0000"), (7, "right box", "00FF00"), (9, "label 9", named[2]["color"]), (300, "Ball", "0000FF")], str(named))

@@ -12,7 +12,17 @@
 /* The rows of floats of a composer: the members of iso_layer_line, by sample and summed by pixel; the rays'
  * slopes; copies of a row of the gbuffer, because the last vector would read beyond its end; and the colours
  * of 256 surfaces. */
-enum { LINE_SAMPLES, LINE_SUMS = 5, LINE_U = 10, LINE_NORMAL = 11, LINE_SURFACE = 14, LINE_OWN = 15, LINES };
+enum {
+    LINE_SAMPLES,
+    LINE_SUMS = 5,
+    LINE_U = 10,
+    LINE_NORMAL,
+    LINE_SURFACE = LINE_NORMAL + 3,
+    LINE_OWN,
+    LINE_AMBIENT,
+    LINE_KEY,
+    LINES
+};
 enum { SURFACES = ISO_SURFACE_NONE + 1 };
 
 iso_status iso_layer_composer_reserve(iso_layer_composer *composer, int width, int factor, iso_error *error) {
@@ -63,6 +73,10 @@ static iso_layer_back make_back(const iso_layer_picture *picture, const iso_laye
     return back;
 }
 
+static const float *copy_plane(const float *plane, size_t at, size_t width, float *line) {
+    return plane ? memcpy(line, plane + at, width * sizeof *line) : NULL;
+}
+
 /* Copies row y of the strip's gbuffer, which has the opaque surfaces, to the arrays that the kernel reads. */
 static void copy_row(const iso_gbuffer *gbuffer, int y, const iso_layer_composer *composer,
                      iso_layer_back *back) {
@@ -74,6 +88,8 @@ static void copy_row(const iso_gbuffer *gbuffer, int y, const iso_layer_composer
     memcpy(surface, gbuffer->surface + at, width);
     memset(surface + width, ISO_SURFACE_NONE, ISO_LANES_MAX);
     back->surface = surface;
+    back->ambient = copy_plane(gbuffer->ambient, at, width, line_of(composer, LINE_AMBIENT));
+    back->key = copy_plane(gbuffer->key, at, width, line_of(composer, LINE_KEY));
     if (!gbuffer->color) return;
     float *own = line_of(composer, LINE_OWN);
     memcpy(own, gbuffer->color + at, width * sizeof *gbuffer->color);

@@ -81,7 +81,11 @@ ISO_INLINE void shade_back(const iso_layer_back *back, int x, vi surface, vf rgb
     vf base[3];
     for (int k = 0; k < 3; k++) base[k] = v_gather(back->color[k], surface);
     if (back->own_color) replace_colors(back->surface + x, back->own_color + x, base);
-    phong(normal, to_eye, base, rgb);
+    if (back->ambient || back->key)
+        phong_open(normal, to_eye, base, back->ambient ? v_load(back->ambient + x) : v_set(1),
+                   back->key ? v_load(back->key + x) : v_set(1), rgb);
+    else
+        phong(normal, to_eye, base, rgb);
     if (back->own_color) leave_unlit(normal, base, rgb);
 }
 

@@ -7,10 +7,11 @@
 
 /* The opaque surfaces and the background behind the layers of a row. */
 typedef struct iso_layer_back {
-    const float *normal[3];    /* of the opaque surfaces, by sample */
-    const uint8_t *surface;    /* their numbers; NULL: there are no opaque surfaces */
-    const uint32_t *own_color; /* iso_gbuffer.color; NULL: no sample has a colour of its own */
-    const float *color[3];     /* of surfaces, by number: 256 each */
+    const float *normal[3];     /* of the opaque surfaces, by sample */
+    const uint8_t *surface;     /* their numbers; NULL: there are no opaque surfaces */
+    const uint32_t *own_color;  /* iso_gbuffer.color; NULL: no sample has a colour of its own */
+    const float *ambient, *key; /* of the gbuffer; NULL: all light reaches the samples */
+    const float *color[3];      /* of surfaces, by number: 256 each */
     const float *u;         /* the rays are (u, v, 1): u by column; ISO_LANES_MAX more items are readable */
     float v, background[3]; /* 0 .. 1 */
     bool transparent;       /* the background is transparent */

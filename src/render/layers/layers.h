@@ -29,6 +29,8 @@ typedef struct iso_translucency {
                                 Lambert); what is absorbed becomes the surface's colour.
                                 0: the solid is clear */
     int most_layers;         /* number of crossings along a ray that are drawn, from the nearest on; 0: all */
+    float gap; /* where rays leave the solid by less than this before an opaque surface, mm, that surface is
+                  its border, as between labels, and no layer of its own; 0: everywhere else */
 } iso_translucency;
 
 /* Compositing of a sample ends when less than this share of the light passes all layers so far. */
@@ -131,7 +133,8 @@ typedef struct iso_layer_group {
 /* The surface whose fragments are being listed. */
 typedef struct iso_layer_pass {
     int surface;     /* its number */
-    int most_layers; /* see iso_translucency.most_layers */
+    int most_layers; /* see iso_translucency */
+    float gap;
     float tolerance; /* mm: two crossings in the same direction that are closer than this are one crossing,
                         found twice */
 } iso_layer_pass;
@@ -230,10 +233,14 @@ static inline bool iso_layer_add_packed(iso_layer_lists *lists, int x, int row,
     uint32_t last;
     memcpy(&last, &list->last, sizeof last);
     if ((last & 1) == leaves && fragment->depth - list->last < lists->pass.tolerance) return false;
-    if (lists->limit &&
-        !(fragment->depth + lists->middle < lists->limit[(ptrdiff_t)row * lists->width + x])) {
-        list->through = 0;
-        return true;
+    if (lists->limit) {
+        const float limit = lists->limit[(ptrdiff_t)row * lists->width + x],
+                    depth = fragment->depth + lists->middle;
+        if (!(depth < limit)) {
+            list->through = 0;
+            return true;
+        }
+        if (leaves && !(depth < limit - lists->pass.gap)) return false;
     }
     iso_layer_insert(lists, group, column, fragment);
     memcpy(&last, &fragment->depth, sizeof last);

@@ -27,8 +27,9 @@ enum { WEIGHT = 256, LEAST_WEIGHT = 4 };
 enum { DIRECTIONS = 128, LIGHT_DIRECTIONS = 32 };
 static const double LIGHT_RADIUS = 0.1;
 
-/* What takes the place of a share when nodes are missing. */
+/* What takes the place of a share when nodes are missing, and where there are none, within solids. */
 #define MISSING -1.0f
+#define ENCLOSED -2.0f
 
 /* A place on a surface: index coordinates; normal in the world, towards the eye; what moves the position by a
  * voxel along the normal. */
@@ -82,7 +83,17 @@ static float sum_of(const int32_t t[ISO_NODE_TERMS], const float n[3]) {
            (float)t[7] * n[0] * n[2] + (float)t[8] * n[1] * n[2];
 }
 
-/* The share of the light that reaches a spot, or MISSING. */
+/* Whether the voxel around a place is solid. */
+static bool is_solid(const iso_solid_bits *bits, const float at[3]) {
+    int voxel[3];
+    for (int axis = 0; axis < 3; axis++) {
+        if (!(at[axis] > -0.5f && at[axis] < (float)bits->dims[axis] - 0.5f)) return false;
+        voxel[axis] = (int)(at[axis] + 0.5f);
+    }
+    return iso_solid_at(bits, voxel[0], voxel[1], voxel[2]);
+}
+
+/* The share of the light that reaches a spot, MISSING or ENCLOSED. */
 static float share_at(iso_visibility *v, const spot *s) {
     int32_t terms[ISO_NODE_TERMS];
     int total;
@@ -95,7 +106,9 @@ static float share_at(iso_visibility *v, const spot *s) {
         const float share = sum_of(terms, s->normal) / (float)(total * ISO_NODE_ALL);
         return share < 0 ? 0 : share > 1 ? 1 : share;
     }
-    return 1;
+    float beside[3];
+    for (int axis = 0; axis < 3; axis++) beside[axis] = s->position[axis] + OFFSETS[0] * s->way[axis];
+    return is_solid(v->bits, beside) ? ENCLOSED : 1;
 }
 
 /* ---- what is kept */
@@ -130,7 +143,7 @@ void iso_occlusion_turn(iso_occlusion *o, iso_vec3 light) {
 static iso_status prepare_side(iso_occlusion *o, int number, iso_error *error) {
     iso_occlusion_side *side = &o->sides[number];
     if (!side->bits && number == ISO_SIDE_INNER)
-        ISO_TRY(iso_solid_bits_invert(o->bits, o->removed, o->lo, o->hi, &side->inverse, error));
+        ISO_TRY(iso_solid_bits_invert(o->bits, o->removed, o->things, o->lo, o->hi, &side->inverse, error));
     side->bits = number == ISO_SIDE_INNER ? &side->inverse : o->bits;
     if (o->range > 0 && !side->around) {
         const iso_directions sphere = iso_directions_sphere(DIRECTIONS);
@@ -175,6 +188,7 @@ iso_status iso_occlusion_at(iso_occlusion *o, const float position[3], const flo
     ISO_TRY(prepare_side(o, ISO_SIDE_OUTER, error));
     iso_visibility *v = o->sides[ISO_SIDE_OUTER].around;
     while ((*share = share_at(v, &s)) == MISSING) ISO_TRY(iso_visibility_compute(v, NULL, error));
+    if (*share == ENCLOSED) *share = o->things ? 0 : 1;
     return ISO_OK;
 }
 
@@ -253,18 +267,29 @@ static bool is_same(const rows *r, size_t a, size_t b) {
     return g->surface[a] == g->surface[b] && cosine > 0.96f && fabsf(g->depth[a] - g->depth[b]) < r->depth;
 }
 
+/* The share of the light, from all around or the key light, that reaches a spot on a side, or MISSING. Things
+ * in a solid, which one sees where it is cut open, are on its inner side. */
+static float share_on(rows *r, int number, bool key, const spot *s) {
+    const iso_occlusion_side *side = &r->occlusion->sides[number];
+    if (!side->bits) {
+        atomic_store_explicit(&r->sees_inside, true, memory_order_relaxed);
+        return MISSING;
+    }
+    const float share = share_at(key ? side->key : side->around, s);
+    if (share != ENCLOSED) return share;
+    if (!r->occlusion->things) return 1;
+    return number == ISO_SIDE_OUTER ? share_on(r, ISO_SIDE_INNER, key, s) : 0;
+}
+
 /* Returns whether nothing was missing. */
 static bool light_sample(rows *r, int x, int y, size_t sample) {
     const iso_gbuffer *g = r->gbuffer;
+    const bool ambient = r->occlusion->range > 0, key = r->occlusion->has_shadow;
     spot s;
-    const iso_occlusion_side *side = &r->occlusion->sides[find_spot(r, x, y, sample, &s)];
-    if (!side->bits) {
-        atomic_store_explicit(&r->sees_inside, true, memory_order_relaxed);
-        return false;
-    }
-    if (side->around) g->ambient[sample] = share_at(side->around, &s);
-    if (side->key) g->key[sample] = share_at(side->key, &s);
-    return !(side->around && g->ambient[sample] == MISSING) && !(side->key && g->key[sample] == MISSING);
+    const int number = find_spot(r, x, y, sample, &s);
+    if (ambient) g->ambient[sample] = share_on(r, number, false, &s);
+    if (key) g->key[sample] = share_on(r, number, true, &s);
+    return !(ambient && g->ambient[sample] == MISSING) && !(key && g->key[sample] == MISSING);
 }
 
 static void copy_light(const rows *r, size_t from, size_t to) {

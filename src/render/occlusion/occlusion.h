@@ -29,9 +29,10 @@ enum { ISO_SIDE_OUTER, ISO_SIDE_INNER, ISO_SIDES };
 typedef struct iso_occlusion {
     const iso_solid_bits *bits; /* borrowed */
     const iso_solid_bits
-        *removed;     /* what was cut away of solids, on both sides empty; borrowed; NULL: nothing */
-    int lo[3], hi[3]; /* the voxels outside which nothing is known, inclusive */
-    double range;     /* of ambient occlusion, mm; 0: there is none */
+        *removed; /* what was cut away of solids, on both sides empty; borrowed; NULL: nothing */
+    const iso_solid_bits *things; /* those of `bits` that block light on both sides, as lines do; or NULL */
+    int lo[3], hi[3];             /* the voxels outside which nothing is known, inclusive */
+    double range;                 /* of ambient occlusion, mm; 0: there is none */
     bool has_shadow;
     iso_vec3 light; /* of shadows: unit, in the world, towards the light; iso_occlusion_turn changes it */
     iso_occlusion_side sides[ISO_SIDES];

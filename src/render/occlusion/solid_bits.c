@@ -59,16 +59,19 @@ static uint32_t column_mask(int column, int lo, int hi) {
            UINT32_MAX >> (ISO_SOLID_WORD - 1 - (last < ISO_SOLID_WORD ? last : ISO_SOLID_WORD - 1));
 }
 
-iso_status iso_solid_bits_invert(const iso_solid_bits *bits, const iso_solid_bits *removed, const int lo[3],
-                                 const int hi[3], iso_solid_bits *inverse, iso_error *error) {
+iso_status iso_solid_bits_invert(const iso_solid_bits *bits, const iso_solid_bits *removed,
+                                 const iso_solid_bits *things, const int lo[3], const int hi[3],
+                                 iso_solid_bits *inverse, iso_error *error) {
     ISO_TRY(iso_solid_bits_create(bits->dims, &bits->affine, inverse, error));
     for (int z = lo[2]; z <= hi[2]; z++)
         for (int column = 0; column < bits->columns; column++) {
             const uint32_t mask = column_mask(column, lo[0], hi[0]),
                            *from = iso_solid_word(bits, column, 0, z),
-                           *without = removed ? iso_solid_word(removed, column, 0, z) : NULL;
+                           *without = removed ? iso_solid_word(removed, column, 0, z) : NULL,
+                           *with = things ? iso_solid_word(things, column, 0, z) : NULL;
             uint32_t *to = iso_solid_word(inverse, column, 0, z);
-            for (int y = lo[1]; y <= hi[1]; y++) to[y] = ~(from[y] | (without ? without[y] : 0)) & mask;
+            for (int y = lo[1]; y <= hi[1]; y++)
+                to[y] = (~(from[y] | (without ? without[y] : 0)) | (with ? with[y] : 0)) & mask;
         }
     return ISO_OK;
 }

@@ -47,9 +47,10 @@ static inline bool iso_solid_at(const iso_solid_bits *bits, int x, int y, int z)
 void iso_solid_bits_write(iso_solid_bits *bits, int x, int y, int z, int count, uint32_t solid);
 
 /* Makes a lattice of the same size whose solid voxels are the empty ones of `bits` among voxels lo .. hi
- * (inclusive), but for those of `removed`, of the same size (NULL: none). Free with iso_solid_bits_free.
- * ISO_ERR_NOMEM. */
-iso_status iso_solid_bits_invert(const iso_solid_bits *bits, const iso_solid_bits *removed, const int lo[3],
-                                 const int hi[3], iso_solid_bits *inverse, iso_error *error);
+ * (inclusive), but for those of `removed`, and those of `things`, which are solid in both; of the same size
+ * (NULL: none). Free with iso_solid_bits_free. ISO_ERR_NOMEM. */
+iso_status iso_solid_bits_invert(const iso_solid_bits *bits, const iso_solid_bits *removed,
+                                 const iso_solid_bits *things, const int lo[3], const int hi[3],
+                                 iso_solid_bits *inverse, iso_error *error);
 
 #endif

@@ -59,7 +59,9 @@ size_t iso_shade(const iso_shading *shading, const iso_strip *strip, iso_image *
 }
 
 /* Shades a vector (of the generic level) of equal samples, so that the model is implemented only once. */
-void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]) {
+/* open: the shares of the light, ambient and key, that reach the sample; NULL: all of it. */
+static void shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, const float *open,
+                         float rgb[3]) {
     const float base[3] = {(float)color.r / 255, (float)color.g / 255, (float)color.b / 255};
     vf n[3], eye[3], b[3], out[3];
     for (int axis = 0; axis < 3; axis++) {
@@ -67,8 +69,20 @@ void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb colo
         eye[axis] = v_set(to_eye[axis]);
         b[axis] = v_set(base[axis]);
     }
-    phong(n, eye, b, out);
+    if (open)
+        phong_open(n, eye, b, v_set(open[0]), v_set(open[1]), out);
+    else
+        phong(n, eye, b, out);
     for (int c = 0; c < 3; c++) rgb[c] = out[c][0];
+}
+
+void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]) {
+    shade_sample(normal, to_eye, color, NULL, rgb);
+}
+
+void iso_shade_occluded(const float normal[3], const float to_eye[3], iso_rgb color, float ambient, float key,
+                        float rgb[3]) {
+    shade_sample(normal, to_eye, color, (const float[2]){ambient, key}, rgb);
 }
 
 iso_rgb iso_shading_palette(int surface) {

@@ -39,6 +39,10 @@ static inline bool iso_rgb_equal(iso_rgb a, iso_rgb b) {
 /* Colour (0 .. 1) of one sample, given its unit normal and the direction to the eye (of any length), both
  * in view space. iso_shade computes the same, with the direction (-u, -v, -1) for a pixel's ray (u, v, 1). */
 void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]);
+/* The same of a sample that the shares `ambient` of the light from all around and `key` of the key light
+ * reach. */
+void iso_shade_occluded(const float normal[3], const float to_eye[3], iso_rgb color, float ambient, float key,
+                        float rgb[3]);
 
 /* Shades a strip into its rows of the image, which has the picture's width. A pixel's colour is the mean
  * of its covered samples, each rounded to 8 bits, blended with the background by coverage, or with

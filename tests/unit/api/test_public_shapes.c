@@ -80,6 +80,43 @@ static void test_translucent_shapes(void **state) {
     assert_int_equal(iso_shape_set_of_glyphs(&points, &bad, &set, NULL), ISO_ERR_USAGE);
 }
 
+/* Two touching balls in a translucent one: occlusion darkens them where they meet, and nothing else. */
+static void test_occluded_shapes(void **state) {
+    (void)state;
+    iso_box box;
+    iso_image plain = {0}, lit = {0};
+    iso_volume *volume = lend_ball();
+    iso_surface *surface = NULL;
+    assert_int_equal(iso_surface_create(volume, &(iso_surface_opts){.opacity = 0.3}, &surface, NULL), ISO_OK);
+    assert_int_equal(iso_surface_bounds(surface, &box, NULL), ISO_OK);
+    const float r = (float)(box.hi.x - box.lo.x) / 8, x = (float)(box.lo.x + box.hi.x) / 2,
+                y = (float)(box.lo.y + box.hi.y) / 2, z = (float)(box.lo.z + box.hi.z) / 2;
+    const float positions[2][3] = {{x - r, y, z}, {x + r, y, z}};
+    const iso_glyph_arrays points = {.positions = positions[0], .count = 2};
+    iso_shape_set *set = NULL;
+    assert_int_equal(iso_shape_set_of_glyphs(&points, &(iso_shape_set_opts){.radius = (double)r}, &set, NULL),
+                     ISO_OK);
+    iso_render_opts opts = {.width = 128, .height = 128, .shapes = &set, .shapes_count = 1};
+    assert_int_equal(iso_render(surface, &opts, &plain, NULL), ISO_OK);
+    opts.occlusion = 4 * (double)r;
+    assert_int_equal(iso_render(surface, &opts, &lit, NULL), ISO_OK);
+    size_t darker = 0;
+    for (size_t i = 0; i < (size_t)4 * 128 * 128; i++) {
+        darker += lit.rgba[i] < plain.rgba[i];
+        assert_true(lit.rgba[i] <= plain.rgba[i]);
+    }
+    assert_true(darker > 300);
+    opts.outline = 1;
+    assert_int_equal(iso_render(surface, &opts, &lit, NULL), ISO_ERR_USAGE);
+    opts = (iso_render_opts){.method = ISO_METHOD_SPLATS, .occlusion = 4};
+    assert_int_equal(iso_render(surface, &opts, &lit, NULL), ISO_ERR_USAGE);
+    iso_shape_set_destroy(set);
+    iso_surface_destroy(surface);
+    iso_volume_destroy(volume);
+    iso_image_free(&plain);
+    iso_image_free(&lit);
+}
+
 /* ---- meshes */
 
 static size_t differing(const iso_image *a, const iso_image *b) {
@@ -528,6 +565,7 @@ static void test_branches(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_translucent_shapes),
+        cmocka_unit_test(test_occluded_shapes),
         cmocka_unit_test(test_mesh),
         cmocka_unit_test(test_branches),
         cmocka_unit_test(test_figures),

@@ -187,8 +187,8 @@ static iso_view make_view(const iso_grid *grid, test_view kind, int size, test_r
     return test_view_make(grid, kind, size, test_random_direction(random));
 }
 
-/* One surface, two that interleave, over an opaque one; by angle, constant, absorbing, the first few layers.
- */
+/* One surface, two that interleave, over an opaque one; by angle, constant, absorbing, the first few layers,
+ * without those right before the opaque one. */
 static test_scene make_scene(const iso_grid *grid, int round) {
     test_scene scene = {
         .grid = grid, .count = 1 + round % 3, .opaque = NAN, .factor = round % 5 == 4 ? 2 : 1};
@@ -198,7 +198,8 @@ static test_scene make_scene(const iso_grid *grid, int round) {
         scene.translucency[i] = (iso_translucency){.opacity = 0.05f + 0.3f * (float)((round + i) % 4),
                                                    .constant = round / 2 % 2 == 1,
                                                    .absorption_length = round % 7 == 3 ? 30 : 0,
-                                                   .most_layers = round % 6 == 5 ? 2 + i : 0};
+                                                   .most_layers = round % 6 == 5 ? 2 + i : 0,
+                                                   .gap = round % 8 == 5 ? 2 : 0};
     }
     if (round % 4 == 1) scene.opaque = middle + 1.7 * step;
     scene.transparent = round % 8 >= 6;

@@ -1,5 +1,6 @@
 /* Ambient occlusion: of places whose share of the surroundings is known; against random rays; the same bytes
- * for every number of threads and instruction set, and whatever was found out before; after edits. */
+ * for every number of threads and instruction set, and whatever was found out before; after edits; by lines,
+ * glyphs and meshes. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,14 +27,13 @@ static iso_grid make_grid(solid_fn *solid) {
     return grid;
 }
 
-/* The share at a place in the world, among surfaces at isovalue 0. */
-static float share_among(const iso_scene_surface *const *surfaces, int count, const iso_occlusion_opts *opts,
-                         iso_vec3 position, iso_vec3 normal) {
+/* The share at a place in the world, among what is opaque. */
+static float share_of(const iso_occluding *all, const iso_occlusion_opts *opts, iso_vec3 position,
+                      iso_vec3 normal) {
     const iso_camera camera = {.position = {0, -100, 0}, .view_up = {0, 0, 1}, .view_angle = 30};
     iso_occluders occluders = {.coarse = 0};
     iso_occlusion *occlusion;
-    assert_int_equal(iso_occluders_update(&occluders, surfaces, count, opts, &camera, NULL, &occlusion, NULL),
-                     ISO_OK);
+    assert_int_equal(iso_occluders_update(&occluders, all, opts, &camera, NULL, &occlusion, NULL), ISO_OK);
     const iso_vec3 p = iso_affine_point_to_index(&occlusion->bits->affine, position);
     const float at[3] = {(float)p.x, (float)p.y, (float)p.z},
                 n[3] = {(float)normal.x, (float)normal.y, (float)normal.z};
@@ -41,6 +41,14 @@ static float share_among(const iso_scene_surface *const *surfaces, int count, co
     assert_int_equal(iso_occlusion_at(occlusion, at, n, &share, NULL), ISO_OK);
     iso_occluders_free(&occluders);
     return share;
+}
+
+/* The same among surfaces at isovalue 0. */
+static float share_among(const iso_scene_surface *const *surfaces, int count, const iso_occlusion_opts *opts,
+                         iso_vec3 position, iso_vec3 normal) {
+    iso_occluding all = {.count = count};
+    for (int i = 0; i < count; i++) all.surfaces[i] = surfaces[i];
+    return share_of(&all, opts, position, normal);
 }
 
 static float share_at(const iso_grid *grid, double range, iso_vec3 position, iso_vec3 normal) {
@@ -163,6 +171,131 @@ static void coarse_lattice(void **state) {
     iso_grid_destroy(&grid);
 }
 
+/* ---- objects */
+
+/* A thing above the floor of `plane`: what its surface is, and a field of both. */
+enum { BALL, BRICK, TUBE, BALL_OF_TRIANGLES, THINGS };
+
+static double distance(int thing, double x, double y, double z) {
+    const double a = fmax(fabs(x - 32) - 7, 0), b = thing == TUBE ? a : x - 32;
+    if (thing == BRICK) return 8 - fmax(fabs(x - 32), fmax(fabs(y - 32), fabs(z - 41)));
+    return 8 - sqrt(b * b + (y - 32) * (y - 32) + (z - 41) * (z - 41));
+}
+
+/* A ball of 2 * ROUND * ROUND triangles. */
+enum { ROUND = 60 };
+static void make_mesh(iso_scene_object *object) {
+    static float vertices[(ROUND + 1) * (ROUND + 1)][3];
+    static uint32_t triangles[2 * ROUND * ROUND][3];
+    for (int i = 0; i <= ROUND; i++)
+        for (int k = 0; k <= ROUND; k++) {
+            const double up = 3.14159265358979 * i / ROUND, turn = 2 * 3.14159265358979 * k / ROUND;
+            float *v = vertices[i * (ROUND + 1) + k];
+            v[0] = (float)(32 + 8 * sin(up) * cos(turn));
+            v[1] = (float)(32 + 8 * sin(up) * sin(turn));
+            v[2] = (float)(41 + 8 * cos(up));
+        }
+    for (int i = 0; i < ROUND * ROUND; i++) {
+        const uint32_t first = (uint32_t)(i / ROUND * (ROUND + 1) + i % ROUND), below = first + ROUND + 1;
+        const uint32_t corners[2][3] = {{first, below, first + 1}, {first + 1, below, below + 1}};
+        memcpy(triangles[2 * i], corners, sizeof corners);
+    }
+    const iso_triangles mesh = {vertices, triangles, (ROUND + 1) * (ROUND + 1), 2 * ROUND * ROUND};
+    assert_int_equal(iso_triangle_spans_make(&mesh, &object->spans, NULL), ISO_OK);
+}
+
+static void make_thing(int thing, iso_scene_object *object) {
+    static float places[2][3] = {{32, 32, 41}, {32, 32, 41}}, axes[1][9] = {{8, 0, 0, 0, 8, 0, 0, 0, 8}};
+    static size_t starts[] = {0, 2};
+    *object = (iso_scene_object){.translucency = {.opacity = 1}};
+    places[0][0] = thing == TUBE ? 25 : 32;
+    places[1][0] = 39;
+    const iso_glyphs glyphs = {.positions = places, .count = 1, .axes = thing == BRICK ? axes : NULL};
+    const iso_lines lines = {.vertices = places, .starts = starts, .vertex_count = 2, .line_count = 1};
+    const iso_shapes_opts opts = {.radius = 8, .glyph = thing == BRICK ? ISO_GLYPH_BOX : ISO_GLYPH_SPHERE};
+    if (thing == BALL_OF_TRIANGLES)
+        make_mesh(object);
+    else if (thing == TUBE)
+        assert_int_equal(iso_shapes_from_lines(&lines, &opts, &object->shapes, NULL), ISO_OK);
+    else
+        assert_int_equal(iso_shapes_from_glyphs(&glyphs, &opts, &object->shapes, NULL), ISO_OK);
+}
+
+/* Lines, glyphs and meshes darken the floor below them and are darkened by it, as if they were of its volume,
+ * and as a floor that is a glyph itself; what a clip cuts away does not. */
+static void objects_occlude(void **state) {
+    (void)state;
+    const iso_occlusion_opts opts = {.ambient = true, .range = 16};
+    iso_grid ground = make_grid(plane);
+    iso_scene_surface surface = {.grid = ground};
+    for (int thing = 0; thing < THINGS; thing++) {
+        iso_grid both = make_grid(plane);
+        for (size_t i = 0; i < (size_t)SIDE * SIDE * SIDE; i++) {
+            const double d =
+                distance(thing, (double)(i % SIDE), (double)(i / SIDE % SIDE), (double)(i / SIDE / SIDE));
+            float *value = (float *)both.rgrid->data + i;
+            *value = fmaxf(*value, (float)d);
+        }
+        iso_scene_object object;
+        make_thing(thing, &object);
+        iso_occluding all = {.surfaces = {&surface}, .objects = {&object}, .count = 1, .object_count = 1};
+        for (int i = 0; i < 6; i++) {
+            const bool below = i < 3;
+            const iso_vec3 normal = below ? iso_vec3_make(0, 0, 1) : iso_vec3_make(0, i == 4, -(i != 4)),
+                           place = below    ? iso_vec3_make(32, 30 + 6 * i, 31.3)
+                                   : i == 4 ? iso_vec3_make(32, 40, 41)
+                                            : iso_vec3_make(30 + i % 2, 32, 33);
+            const double truth = iso_occlusion_truth(&both, 0, place, normal, 16, 2000, (uint64_t)i);
+            const double share = (double)share_of(&all, &opts, place, normal);
+            print_message("    %d %d: %.3f for %.3f\n", thing, i, share, truth);
+            assert_true(fabs(share - truth) < 0.09);
+        }
+        iso_clip clip = {.count = 1,
+                         .body = {iso_clip_half_space(iso_vec3_make(0, 0, 31.5), iso_vec3_make(0, 0, 1))}};
+        object.clip = &clip;
+        const iso_vec3 place = {32, 36, 31.3}, up = {0, 0, 1};
+        assert_true(fabs((double)share_of(&all, &opts, place, up) - 1) < 0.02);
+        iso_scene_object_free(&object);
+        iso_grid_destroy(&both);
+    }
+    iso_grid_destroy(&ground);
+}
+
+/* Without a volume: balls on a floor that is a box. The lattice follows what moves. */
+static void objects_alone(void **state) {
+    (void)state;
+    static float floor_at[1][3] = {{32, 32, 21.3f}}, floor_axes[1][9] = {{32, 0, 0, 0, 32, 0, 0, 0, 10}};
+    static float ball_at[1][3] = {{32, 32, 41}};
+    const iso_glyphs floors = {.positions = floor_at, .count = 1, .axes = floor_axes},
+                     balls = {.positions = ball_at, .count = 1};
+    const iso_shapes_opts box = {.radius = 8, .glyph = ISO_GLYPH_BOX}, round = {.radius = 8};
+    iso_scene_object objects[2] = {{.translucency = {.opacity = 1}}, {.translucency = {.opacity = 1}}};
+    assert_int_equal(iso_shapes_from_glyphs(&floors, &box, &objects[0].shapes, NULL), ISO_OK);
+    assert_int_equal(iso_shapes_from_glyphs(&balls, &round, &objects[1].shapes, NULL), ISO_OK);
+    iso_occluding all = {.objects = {&objects[0], &objects[1]}, .object_count = 2};
+    const iso_occlusion_opts opts = {.ambient = true, .range = 16};
+    const iso_vec3 place = {32, 36, 31.3}, up = {0, 0, 1};
+    const iso_camera camera = {.position = {0, -100, 0}, .view_up = {0, 0, 1}, .view_angle = 30};
+    iso_occluders kept = {.coarse = 0};
+    for (int turn = 0; turn < 3; turn++) {
+        iso_clip clip = {.count = turn == 1,
+                         .body = {iso_clip_half_space(iso_vec3_make(0, 0, 31.5), iso_vec3_make(0, 0, 1))}};
+        objects[1].clip = &clip;
+        iso_occlusion *occlusion;
+        float share;
+        assert_int_equal(iso_occluders_update(&kept, &all, &opts, &camera, NULL, &occlusion, NULL), ISO_OK);
+        const iso_vec3 p = iso_affine_point_to_index(&occlusion->bits->affine, place);
+        assert_int_equal(iso_occlusion_at(occlusion, (const float[]){(float)p.x, (float)p.y, (float)p.z},
+                                          (const float[]){0, 0, 1}, &share, NULL),
+                         ISO_OK);
+        print_message("    %.3f\n", (double)share);
+        assert_true(turn == 1 ? share > 0.98f : share < 0.5f);
+        assert_true(share == share_of(&all, &opts, place, up));
+    }
+    iso_occluders_free(&kept);
+    for (int i = 0; i < 2; i++) iso_scene_object_free(&objects[i]);
+}
+
 /* ---- pictures */
 
 enum { PIXELS = 200 };
@@ -187,14 +320,14 @@ static void start(drawing *d, const iso_grid *grid, iso_vec3 from) {
 }
 
 static void light(drawing *d, int factor, iso_pool *pool) {
-    const iso_scene_surface *surfaces[] = {&d->surface};
+    const iso_occluding all = {.surfaces = {&d->surface}, .count = 1};
     const iso_occlusion_opts opts = {.ambient = true, .range = 12, .shadow = true};
     const size_t bytes = (size_t)PIXELS * PIXELS * sizeof(float);
     iso_occlusion *occlusion;
     const iso_target target = {&d->view, &d->gbuffer, pool, 0, NULL};
     assert_int_equal(iso_scene_surface_update(&d->surface, ISO_PART_CELLS, NULL), ISO_OK);
-    assert_int_equal(
-        iso_occluders_update(&d->occluders, surfaces, 1, &opts, &d->camera, pool, &occlusion, NULL), ISO_OK);
+    assert_int_equal(iso_occluders_update(&d->occluders, &all, &opts, &d->camera, pool, &occlusion, NULL),
+                     ISO_OK);
     iso_gbuffer_clear(&d->gbuffer);
     memset(d->gbuffer.ambient, 0, bytes);
     memset(d->gbuffer.key, 0, bytes);
@@ -288,6 +421,7 @@ int main(void) {
         cmocka_unit_test(ranges),          cmocka_unit_test(same_on_every_machine),
         cmocka_unit_test(follows_edits),   cmocka_unit_test(sparse_equals_dense),
         cmocka_unit_test(several_volumes), cmocka_unit_test(coarse_lattice),
+        cmocka_unit_test(objects_occlude), cmocka_unit_test(objects_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
