@@ -1,5 +1,5 @@
 /* format_stream: functions for readers that read voxels in file order: filling a grid in chunks of bytes,
- * parsing numbers in text, and paths of files that a header names. */
+ * parsing numbers in text, loading texts, and paths of files that a header names. */
 #include <ctype.h>
 #include <errno.h>
 #include <stdlib.h>
@@ -336,6 +336,31 @@ bool iso_format_read_numbers(FILE *file, const char *separators, iso_scalar scal
         if (!next_word(file, separators, word) || !store_number(word, scalar, (char *)target + i * size))
             return false;
     return true;
+}
+
+iso_status iso_format_load_text(const char *path, uint64_t most, char **text, size_t *bytes,
+                                iso_error *error) {
+    FILE *file;
+    uint64_t size;
+    ISO_TRY(iso_file_open(path, &file, &size, error));
+    iso_status status = ISO_OK;
+    char *loaded = NULL;
+    if (size > most)
+        status = iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: a text of %llu bytes, of %llu at most", path,
+                          (unsigned long long)size, (unsigned long long)most);
+    else if (!(loaded = iso_alloc_zero(1, (size_t)size + 1)))
+        status = iso_fail_memory(error, path);
+    else if (fread(loaded, 1, (size_t)size, file) != size)
+        status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path,
+                          ferror(file) ? strerror(errno) : "changed while it was read");
+    fclose(file);
+    if (status != ISO_OK) {
+        iso_free(loaded);
+        return status;
+    }
+    *text = loaded;
+    *bytes = (size_t)size;
+    return ISO_OK;
 }
 
 char *iso_format_beside(const char *header, const char *name) {

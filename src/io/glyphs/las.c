@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "io/common/scalar_load.h"
+#include "grids/volume/scalar_load.h"
 #include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/las_blocks.h"
 #include "io/polydata/records.h"

@@ -11,7 +11,7 @@
 #include <strings.h>
 
 #include "io/common/rows.h"
-#include "io/common/scalar_load.h"
+#include "grids/volume/scalar_load.h"
 #include "io/polydata/faces.h"
 
 enum { WORD = 128 };
