@@ -169,16 +169,17 @@ void iso_format_stream_room(const iso_format_stream *stream, iso_volume_info *in
 /* Where voxels lie in a file as they are, or in a file that gzip has compressed, or as text. */
 enum { ISO_FORMAT_PATH = 4096 };
 typedef struct iso_format_place {
-    bool known;        /* the rest is set */
-    bool swap;         /* as in iso_format_stream */
-    bool separate;     /* each component is a volume behind the one before it; false: interleaved */
-    bool gzip;         /* the whole file is compressed, and `position` is in the unpacked one */
-    bool text;         /* numbers between white space, stored as `scalar` */
-    bool bits;         /* uint8 0 or 1, eight of them in a byte, the first one the highest bit */
-    iso_scalar scalar; /* of each of info->components components */
-    uint64_t position; /* of the first byte in the file, or behind `plain` in the unpacked one */
-    uint64_t plain;    /* with gzip: bytes of the file in front of what is compressed */
-    bool told;         /* not known, for `read` does more than reading what lies there; the rest is for
+    bool known;                /* the rest is set */
+    bool swap;                 /* as in iso_format_stream */
+    int components, component; /* of the values there, if `components` is above 0; else info's */
+    bool separate;             /* each component is a volume behind the one before it; false: interleaved */
+    bool gzip;                 /* the whole file is compressed, and `position` is in the unpacked one */
+    bool text;                 /* numbers between white space, stored as `scalar` */
+    bool bits;                 /* uint8 0 or 1, eight of them in a byte, the first one the highest bit */
+    iso_scalar scalar;         /* of each of info->components components */
+    uint64_t position;         /* of the first byte in the file, or behind `plain` in the unpacked one */
+    uint64_t plain;            /* with gzip: bytes of the file in front of what is compressed */
+    bool told; /* not known, for `read` does more than reading what lies there; the rest is for
                   iso_volume_rewrite */
     char file[ISO_FORMAT_PATH]; /* where the voxels are; empty: in the file with the header */
 } iso_format_place;

@@ -292,8 +292,8 @@ static iso_status describe_one(const parts *p, const iso_volume_opts *given, iso
     iso_format_place place = {0};
     ISO_TRY(describe_part(p, of, &opts, info, &place, error));
     if (p->type == ISO_FILE_pvd) {
-        /* a place tells how the components of its own file lie */
-        place.known = place.known && all.components == info->components;
+        place.components = info->components;
+        place.component = info->component;
         if (all.components != info->components && !given->component_axes)
             iso_volume_note(info, "time %g: using component %d of %d (--component; --series-of draws all)",
                             of->time, all.component, all.components);

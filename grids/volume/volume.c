@@ -209,15 +209,44 @@ static bool is_metadata(const char *path) {
     return false;
 }
 
-/* What a file is that is often taken for a volume, and what to give instead; NULL: nothing is known of it. */
+#define EXODUS ".exo .ex2 .e"
+
+/* Files that are often taken for a volume, by how they begin, and what to do with them. A point cloud in LAZ has
+ * a reader that refuses it (src/io/glyphs/las.c). */
+static const struct {
+    const char *begins, *advice;
+} confused[] = {
+    {"\x89PNG\r\n\x1a\n", "is one picture: a volume in PNG is a folder with a file for each slice"},
+    {"\xff\xd8\xff",
+     "is a picture in JPEG, which is not read as a slice of a volume: a folder of them becomes one of PNG by "
+     "mogrify -format png -path slices *.jpg"},
+    {"ASTM-E57",
+     "is a scan in E57, which is not read: pdal translate scan.e57 scan.las, or CloudCompare, converts it"},
+    {"CDF\1", "is NetCDF of version 3: nccopy -k netCDF-4 makes a file of it that is read"},
+    {"CDF\2", "is NetCDF of version 3: nccopy -k netCDF-4 makes a file of it that is read"},
+    {"CDF\5", "is NetCDF of version 3: nccopy -k netCDF-4 makes a file of it that is read"},
+    {"PK\3\4", "is a .zip archive: unpack it, and name the file or folder in it"}};
+
+/* Whether a path ends in one of the extensions, which blanks separate. */
+static bool ends_in(const char *path, const char *extensions) {
+    const char *dot = strrchr(path, '.');
+    for (const char *at = extensions; dot && *at; at += strspn(at, " ")) {
+        const size_t length = strcspn(at, " ");
+        if (strlen(dot) == length && strncasecmp(dot, at, length) == 0) return true;
+        at += length;
+    }
+    return false;
+}
+
+/* What to do with a file that is no volume; NULL: nothing is known of it. */
 static const char *near_miss(const char *path, const head *h) {
-    const iso_file_type type = iso_file_type_of_head(h->bytes, h->count, ~0u);
-    if (type == ISO_FILE_png) return "is one picture: a volume in PNG is a folder with a file for each slice";
+    for (size_t i = 0; i < sizeof confused / sizeof *confused; i++) {
+        const size_t length = strlen(confused[i].begins);
+        if (h->count >= length && memcmp(h->bytes, confused[i].begins, length) == 0)
+            return confused[i].advice;
+    }
     if (iso_file_type_of_name(path, ISO_HOLDS_RAW) != ISO_FILE_UNKNOWN)
         return "raw data needs a layout (--raw WxHxD:TYPE)";
-    if (type == ISO_FILE_jpeg) return "is a picture in JPEG, which is not read as a slice of a volume";
-    if (h->count >= 4 && memcmp(h->bytes, "PK\3\4", 4) == 0)
-        return "is a .zip archive: unpack it, and name the file or folder in it";
     if (is_metadata(path)) return "is the metadata of an array: name the folder that it is in";
     return NULL;
 }
@@ -226,6 +255,9 @@ static const char *near_miss(const char *path, const head *h) {
 static iso_status fail_unknown(const char *path, const head *h, iso_error *error) {
     char volumes[256], others[256];
     const char *reason = near_miss(path, h);
+    if (ends_in(path, EXODUS)) return iso_format_not_image(path, "grid of Exodus", error);
+    if (h->count >= 11 && memcmp(h->bytes, "$MeshFormat", 11) == 0)
+        return iso_format_not_image(path, "grid of Gmsh", error);
     if (reason) return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", path, reason);
     iso_file_type_extensions(ISO_HOLDS_VOLUME, 0, "", volumes, sizeof volumes);
     iso_file_type_extensions(ISO_HOLDS_MESH | ISO_HOLDS_LINES | ISO_HOLDS_GLYPHS, ISO_HOLDS_VOLUME, "and",
@@ -253,7 +285,9 @@ static iso_status find_format(const char *path, request *r, const iso_format **f
     ISO_TRY(read_head(path, &h, error));
     *format = r->opts.raw ? &iso_format_raw : format_of_file(path, &h);
     if (!r->opts.raw) ISO_TRY(guess_raw(path, (uint64_t)status.st_size, r, format, error));
-    if (!*format) return fail_unknown(path, &h, error);
+    /* (Exodus is also HDF5) */
+    if (!*format || (*format == &iso_format_hdf5 && ends_in(path, EXODUS)))
+        return fail_unknown(path, &h, error);
     if (!h.gzip || reads_gzip(*format) || *format == &iso_format_raw) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT,
                     "%s: is a file of type %s that gzip has compressed: unpack it (gunzip)", path,
@@ -452,7 +486,7 @@ static void note_guess(const iso_raw_layout *raw, iso_volume_info *info) {
 static bool is_unitless(const iso_volume_opts *opts, const iso_volume_info *info) {
     if (info->angstrom) return true;
     if (opts->spacing[0] > 0 && opts->spacing[1] > 0 && opts->spacing[2] > 0) return false;
-    return info->unitless || is_one_of(info->format, " raw vtk vti vdb npy npz vtr pvti pvd vtm xdmf amira ");
+    return info->unitless || is_one_of(info->format, " raw vtk vti vdb npy npz vtr pvti pvd vtm xdmf ");
 }
 
 /* Makes the steps even, by coordinates that the reader has set. */

@@ -157,6 +157,14 @@ isorender_refuses 3 'in/many.vtk: truncated: the file ends in its coordinates' i
 head -c 150 in/double.vtk >in/cut.vtk
 isorender_refuses 3 'in/cut.vtk: truncated: the file ends in its coordinates' in/cut.vtk
 printf '# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 0 float\n' >in/cells_of_any_kind.vtk
-isorender_refuses 3 'in/cells_of_any_kind.vtk: holds a UNSTRUCTURED_GRID, not an image: resample it in ParaView' in/cells_of_any_kind.vtk
+isorender_refuses 3 'in/cells_of_any_kind.vtk: holds a UNSTRUCTURED_GRID, not an image: python3 -c .import vtk; r = vtk.vtkGenericDataObjectReader()' in/cells_of_any_kind.vtk
 printf '<VTKFile type="UnstructuredGrid" version="0.1"><UnstructuredGrid/></VTKFile>' >in/a.vtu
-isorender_refuses 3 'in/a.vtu: holds a UnstructuredGrid, not an image: resample it in ParaView (Filters, Resample To Image) or VTK' in/a.vtu
+isorender_refuses 3 'in/a.vtu: holds a UnstructuredGrid, not an image: python3 -c .import vtk; r = vtk.vtkXMLGenericDataObjectReader()' in/a.vtu
+printf 'CDF\2\0\0\0\1' >in/mesh.exo
+printf 'CDF\1\0\0\0\1' >in/old.nc
+echo '$MeshFormat' >in/mesh.msh
+printf 'ASTM-E57\1' >in/scan.e57
+isorender_refuses 3 'in/mesh.exo: holds a grid of Exodus, not an image: python3 -c .import vtk; r = vtk.vtkExodusIIReader()' in/mesh.exo
+isorender_refuses 3 'in/mesh.msh: holds a grid of Gmsh, not an image: meshio convert' in/mesh.msh
+isorender_refuses 3 'in/old.nc: is NetCDF of version 3: nccopy -k netCDF-4' in/old.nc
+isorender_refuses 3 'in/scan.e57: is a scan in E57, which is not read: pdal translate' in/scan.e57
