@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/file_types.h"
 #include "base/memory.h"
 #include "base/zip.h"
 #include "grids/volume/mapping.h"
@@ -235,14 +236,13 @@ static bool is_wanted(const char *wanted, const char *name) {
 static iso_status consider(const char *path, const iso_zip_entry *entry, uint64_t at,
                            const iso_volume_opts *opts, iso_volume_info *info, choice *c, npy *chosen,
                            iso_error *error) {
-    static const char extension[] = ".npy";
     char name[ISO_VOLUME_TEXT];
     npy n;
     iso_error detail = {0};
-    if (entry->name_length < sizeof extension || entry->name_length >= sizeof name ||
-        memcmp(entry->name + entry->name_length - 4, extension, 4) != 0)
-        return ISO_OK;
-    snprintf(name, sizeof name, "%.*s", (int)entry->name_length - 4, entry->name);
+    if (entry->name_length >= sizeof name) return ISO_OK;
+    snprintf(name, sizeof name, "%.*s", (int)entry->name_length, entry->name);
+    if (iso_file_type_of_name(name, ISO_HOLDS_VOLUME) != ISO_FILE_npy) return ISO_OK;
+    *strrchr(name, '.') = 0;
     const size_t used = strlen(c->others);
     if (used < sizeof c->others - 80)
         snprintf(c->others + used, sizeof c->others - used, "%s'%.64s'", c->arrays ? ", " : "", name);

@@ -82,7 +82,7 @@ static iso_status take_array(parts *p, const iso_xml_tag *t, iso_error *error) {
         if (__builtin_mul_overflow(array.tuples, points - (array.cells && points > 1), &array.tuples))
             return bad(p, "its WholeExtent is larger than any image", error);
     }
-    const iso_vtk_xml xml = {.path = p->path, .kind = ".pvti"};
+    const iso_vtk_xml xml = {.path = p->path};
     ISO_TRY(iso_vtk_xml_count(&xml, t, "NumberOfComponents", 1, &array.components, error));
     p->arrays[p->array_count++] = array;
     return ISO_OK;

@@ -136,7 +136,7 @@ static iso_status open_vtr(const char *path, const iso_volume_opts *opts, vtr **
     fclose(file);
     if (status == ISO_OK) {
         v->opts = opts;
-        v->xml = (iso_vtk_xml){.path = path, .kind = ".vtr", .reserve = reserve, .context = v};
+        v->xml = (iso_vtk_xml){.path = path, .reserve = reserve, .context = v};
         status = read_markup(v, bytes, error);
     }
     if (status == ISO_OK)

@@ -10,7 +10,7 @@
 #include "grids/volume/scalar_load.h"
 
 iso_status iso_vtk_xml_bad(const iso_vtk_xml *x, const char *what, iso_error *error) {
-    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a readable %s file: %s", x->path, x->kind, what);
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a readable file of VTK: %s", x->path, what);
 }
 
 iso_status iso_vtk_xml_ends(const iso_vtk_xml *x, iso_error *error) {

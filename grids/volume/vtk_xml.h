@@ -21,11 +21,10 @@ typedef struct iso_vtk_array {
     const char *begin; /* where the values begin */
 } iso_vtk_array;
 
-/* A file in memory. Set `path`, `kind`, `reserve` and its context; the rest is set by iso_vtk_xml_open, and by
+/* A file in memory. Set `path`, `reserve` and its context; the rest is set by iso_vtk_xml_open, and by
  * iso_vtk_xml_decode. The buffers are the caller's to free. */
 typedef struct iso_vtk_xml {
     const char *path;
-    const char *kind; /* for messages: ".vtp" */
     /* Makes room in a buffer for `count` items of `each` bytes: iso_buffer_reserve within a limit. */
     iso_status (*reserve)(void *context, iso_buffer *buffer, size_t count, size_t each, iso_error *error);
     void *context;
@@ -38,7 +37,7 @@ typedef struct iso_vtk_xml {
     uint64_t bytes;                   /* number of bytes in `values` */
 } iso_vtk_xml;
 
-/* ISO_ERR_FORMAT "path: not a readable .vtp file: what", and ISO_ERR_IO "path: truncated". */
+/* ISO_ERR_FORMAT "path: not a readable file of VTK: what", and ISO_ERR_IO "path: truncated". */
 iso_status iso_vtk_xml_bad(const iso_vtk_xml *x, const char *what, iso_error *error);
 iso_status iso_vtk_xml_ends(const iso_vtk_xml *x, iso_error *error);
 

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "grids/volume/scalar_load.h"
 #include "base/zip.h"
+#include "grids/volume/scalar_load.h"
 #include "io/lines/lines_format.h"
 #include "io/polydata/polydata.h"
 

@@ -9,8 +9,8 @@
 #include <string.h>
 #include <zlib.h>
 
-#include "grids/volume/scalar_load.h"
 #include "base/xml.h"
+#include "grids/volume/scalar_load.h"
 #include "io/mesh/mesh_format.h"
 
 typedef struct gii_array {

@@ -299,8 +299,7 @@ iso_status iso_polydata_read_vtp(iso_polydata *data, iso_error *error) {
     vtp *v = iso_alloc_zero(1, sizeof *v);
     if (!v) return iso_fail_memory(error, data->reading->path);
     v->data = data;
-    v->xml = (iso_vtk_xml){
-        .path = data->reading->path, .kind = ".vtp", .reserve = reserve, .context = data->reading};
+    v->xml = (iso_vtk_xml){.path = data->reading->path, .reserve = reserve, .context = data->reading};
     iso_status status = read_file(v, error);
     iso_buffer *const buffers[] = {&v->text, &v->xml.values, &v->xml.sizes, &v->xml.packed};
     for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++) iso_reading_free(data->reading, buffers[i]);
