@@ -13,8 +13,8 @@
  * volume.c checks the result of `info` (dims, directions, component), applies opts->spacing to
  * info->transform, and sets `bytes` and `read_bytes` if they are 0: to the size of a dense grid.
  *
- * `info` may set *opts->axes (never NULL for readers) to the voxels' coordinates, with info's dims as they are
- * in the file: volume.c resamples what `read` then reads, if they are uneven.
+ * `info` may set *opts->axes (never NULL for readers) to the voxels' coordinates, with info's dims as they
+ * are in the file: volume.c resamples what `read` then reads, if they are uneven.
  *
  * If `info` sets *opts->place (never NULL for readers), volume.c reads or maps the voxels from there and does
  * not call `read`. A module could not do so: it has copies of this library's functions, and a grid is

@@ -1,6 +1,6 @@
-/* format_amira: uniform lattices of Amira and Avizo (AmiraMesh, .am): text, or binary in either byte order, as
- * it is, packed by zlib (HxZip) or in runs of bytes (HxByteRLE). The bounding box goes from the first voxel's
- * centre to the last one's. */
+/* format_amira: uniform lattices of Amira and Avizo (AmiraMesh, .am): text, or binary in either byte order,
+ * as it is, packed by zlib (HxZip) or in runs of bytes (HxByteRLE). The bounding box goes from the first
+ * voxel's centre to the last one's. */
 #include <ctype.h>
 #include <errno.h>
 #include <stdlib.h>

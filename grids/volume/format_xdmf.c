@@ -1,6 +1,6 @@
-/* format_xdmf: uniform and rectilinear grids of XDMF (versions 2 and 3, xdmf.org). The values stand in the text,
- * or in a raw file or an HDF5 file beside it. The grids of a collection are its times, which are components as
- * in .pvd: component c of the file is component c % n of time c / n. */
+/* format_xdmf: uniform and rectilinear grids of XDMF (versions 2 and 3, xdmf.org). The values stand in the
+ * text, or in a raw file or an HDF5 file beside it. The grids of a collection are its times, which are
+ * components as in .pvd: component c of the file is component c % n of time c / n. */
 #include <errno.h>
 #include <limits.h>
 #include <math.h>

@@ -1,7 +1,7 @@
-/* vtk_xml: the arrays of numbers in VTK's XML files ("VTK XML Formats", docs.vtk.org), which are text or bytes.
- * Bytes are raw or in base64, inside the element or appended after all elements, and may be divided into
- * blocks that are compressed by zlib. They begin with numbers that state their length; in compressed arrays
- * these numbers are encoded in base64 separately. Every length is checked before memory is taken. */
+/* vtk_xml: the arrays of numbers in VTK's XML files ("VTK XML Formats", docs.vtk.org), which are text or
+ * bytes. Bytes are raw or in base64, inside the element or appended after all elements, and may be divided
+ * into blocks that are compressed by zlib. They begin with numbers that state their length; in compressed
+ * arrays these numbers are encoded in base64 separately. Every length is checked before memory is taken. */
 #ifndef ISO_GRIDS_VOLUME_VTK_XML_H
 #define ISO_GRIDS_VOLUME_VTK_XML_H
 
@@ -59,8 +59,8 @@ iso_status iso_vtk_xml_array(const iso_vtk_xml *x, const iso_xml_tag *tag, iso_v
 /* Finds a type such as "Float32". False: it is no type of numbers. */
 bool iso_vtk_xml_type(const char *name, iso_scalar *scalar);
 
-/* Decodes an array, which must have `count` numbers, into x->values: numbers of its type or, of text, doubles.
- * ISO_ERR_IO: truncated or corrupt; ISO_ERR_FORMAT, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
+/* Decodes an array, which must have `count` numbers, into x->values: numbers of its type or, of text,
+ * doubles. ISO_ERR_IO: truncated or corrupt; ISO_ERR_FORMAT, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_vtk_xml_decode(iso_vtk_xml *x, const iso_vtk_array *array, uint64_t count, iso_error *error);
 /* A number of the decoded array. */
 double iso_vtk_xml_number(const iso_vtk_xml *x, const iso_vtk_array *array, uint64_t i);
