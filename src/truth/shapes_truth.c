@@ -12,6 +12,7 @@ typedef long double real;
 /* A ray in view space, origin + t * direction: t is the depth. */
 typedef struct ray {
     real origin[3], direction[3];
+    real square; /* of the direction's length */
 } ray;
 
 /* The part of a ray inside a solid: the depths at which the ray enters and leaves it, and the outward normals
@@ -31,8 +32,8 @@ static void point_at(const ray *r, real t, real point[3]) {
 static ray ray_of(const iso_view *view, double px, double py) {
     const real u = ((real)px - (real)view->cx) / (real)view->focal,
                v = ((real)py - (real)view->cy) / (real)view->focal;
-    if (view->orthographic) return (ray){{u, v, 0}, {0, 0, 1}};
-    return (ray){{0, 0, 0}, {u, v, 1}};
+    if (view->orthographic) return (ray){{u, v, 0}, {0, 0, 1}, 1};
+    return (ray){{0, 0, 0}, {u, v, 1}, u * u + v * v + 1};
 }
 
 /* Transforms a vector from world to view space. */
@@ -54,11 +55,11 @@ static void to_view(const iso_view *view, iso_vec3 origin, const float offset[3]
 static bool sphere_piece(const ray *r, const real center[3], real radius, piece *out) {
     real to[3], foot[3];
     for (int a = 0; a < 3; a++) to[a] = center[a] - r->origin[a];
-    const real dd = dot(r->direction, r->direction), middle = dot(to, r->direction) / dd;
+    const real middle = dot(to, r->direction) / r->square;
     for (int a = 0; a < 3; a++) foot[a] = middle * r->direction[a] - to[a];
     const real rest = radius * radius - dot(foot, foot);
     if (!(rest >= 0)) return false;
-    const real half = sqrtl(rest / dd);
+    const real half = sqrtl(rest / r->square);
     for (int end = 0; end < 2; end++) {
         out->t[end] = end ? middle + half : middle - half;
         point_at(r, out->t[end], out->normal[end]);
@@ -75,16 +76,21 @@ typedef struct cone {
     bool flat[2]; /* the end (0: t = 0, 1: t = 1) is cut off by a plane through its vertex */
 } cone;
 
-enum { STEPS = 56 }; /* steps of a search; each keeps 2/3 of the interval */
+enum { STEPS = 64 }; /* halvings until an interval is as short as numbers tell apart */
 
 /* Returns the distance of the ray from the centre of sphere t, minus the sphere's radius: below 0 if the ray
  * meets the sphere. Sets *middle to the depth of the nearest point of the ray. */
 static real gap(const ray *r, const cone *c, real t, real *middle) {
     real to[3], off[3];
     for (int a = 0; a < 3; a++) to[a] = c->center[a] + t * c->path[a] - r->origin[a];
-    *middle = dot(to, r->direction) / dot(r->direction, r->direction);
+    *middle = dot(to, r->direction) / r->square;
     for (int a = 0; a < 3; a++) off[a] = *middle * r->direction[a] - to[a];
     return sqrtl(dot(off, off)) - (c->radius + t * c->taper);
+}
+
+static real gap_at(const ray *r, const void *of, real t) {
+    real unused;
+    return gap(r, of, t, &unused);
 }
 
 /* Returns the depth at which the ray enters sphere t (way 1), or minus the depth at which it leaves it (way
@@ -93,16 +99,39 @@ static real edge(const ray *r, const cone *c, real t, int way) {
     real middle;
     const real radius = c->radius + t * c->taper, inside = -gap(r, c, t, &middle),
                rest = inside > 0 ? inside * (2 * radius - inside) : 0;
-    return way * middle - sqrtl(rest / dot(r->direction, r->direction));
+    return way * middle - sqrtl(rest / r->square);
 }
 
-/* Returns the t between `low` and `high` with the smallest gap (way 0) or the smallest edge (way 1 or -1). */
-static real search(const ray *r, const cone *c, int way, real low, real high) {
-    for (int step = 0; step < STEPS; step++) {
-        real a = (2 * low + high) / 3, b = (low + 2 * high) / 3, unused;
-        const real at_a = way ? edge(r, c, a, way) : gap(r, c, a, &unused),
-                   at_b = way ? edge(r, c, b, way) : gap(r, c, b, &unused);
-        *(at_a < at_b ? &high : &low) = at_a < at_b ? b : a;
+static real entry_at(const ray *r, const void *of, real t) {
+    return edge(r, of, t, 1);
+}
+
+static real exit_at(const ray *r, const void *of, real t) {
+    return edge(r, of, t, -1);
+}
+
+/* Returns where between `low` and `high` a convex function of a ray and a shape is least, by golden sections.
+ * Ends early, with a place of larger value, where a value of at most `enough` is found, or where none can be,
+ * because no slope is steeper than `steepest`. */
+static real least(real (*at)(const ray *r, const void *shape, real t), const ray *r, const void *shape,
+                  real low, real high, real enough, real steepest) {
+    const real golden = 0.618033988749894848204587L;
+    real a = high - golden * (high - low), b = low + golden * (high - low);
+    real at_a = at(r, shape, a), at_b = at(r, shape, b);
+    for (int step = 0; step < 48;
+         step++) { /* 1e-10 of the interval is left: the least value is as exact as any */
+        if (at_a <= enough) return a;
+        if (at_b <= enough) return b;
+        if (fminl(at_a, at_b) - steepest * (high - low) > enough) break;
+        if (at_a < at_b) {
+            high = b, b = a, at_b = at_a;
+            a = high - golden * (high - low);
+            at_a = at(r, shape, a);
+        } else {
+            low = a, a = b, at_a = at_b;
+            b = low + golden * (high - low);
+            at_b = at(r, shape, b);
+        }
     }
     return (low + high) / 2;
 }
@@ -110,11 +139,10 @@ static real search(const ray *r, const cone *c, int way, real low, real high) {
 /* Returns where, between `meets` (a t whose sphere the ray meets) and `end`, the spheres begin to miss the
  * ray; `end` if it meets them all. */
 static real border(const ray *r, const cone *c, real meets, real end) {
-    real unused;
-    if (gap(r, c, end, &unused) <= 0) return end;
+    if (gap_at(r, c, end) <= 0) return end;
     for (int step = 0; step < STEPS; step++) {
         const real middle = (meets + end) / 2;
-        *(gap(r, c, middle, &unused) <= 0 ? &meets : &end) = middle;
+        *(gap_at(r, c, middle) <= 0 ? &meets : &end) = middle;
     }
     return meets;
 }
@@ -134,13 +162,12 @@ static bool cut(const ray *r, const cone *c, int last, piece *p) {
 }
 
 static bool cone_piece(const ray *r, const cone *c, piece *p) {
-    real unused;
-    const real closest = search(r, c, 0, 0, 1);
-    if (!(gap(r, c, closest, &unused) <= 0)) return false;
+    const real closest = least(gap_at, r, c, 0, 1, 0, sqrtl(dot(c->path, c->path)) + fabsl(c->taper));
+    if (!(gap_at(r, c, closest) <= 0)) return false;
     const real low = border(r, c, closest, 0), high = border(r, c, closest, 1);
     for (int end = 0; end < 2; end++) {
         const int way = end ? -1 : 1;
-        const real t = search(r, c, way, low, high);
+        const real t = least(end ? exit_at : entry_at, r, c, low, high, -INFINITY, INFINITY);
         p->t[end] = way * edge(r, c, t, way);
         point_at(r, p->t[end], p->normal[end]);
         for (int a = 0; a < 3; a++) p->normal[end][a] -= c->center[a] + t * c->path[a];
@@ -245,54 +272,42 @@ typedef struct unit {
 
 /* Returns the convex function of a unit solid at p, and its gradient if `gradient` is not NULL. */
 static real outside(const unit *u, const real p[3], real gradient[3]) {
-    const real off = sqrtl(p[0] * p[0] + p[1] * p[1]), taper = 1 / (u->high - u->low);
-    real most = -INFINITY, value[6];
-    for (int i = 0; i < 6; i++) value[i] = -INFINITY;
-    if (u->glyph == ISO_GLYPH_BOX)
-        for (int i = 0; i < 6; i++) value[i] = (i % 2 ? p[i / 2] : -p[i / 2]) - 1;
-    else if (u->glyph == ISO_GLYPH_ELLIPSOID)
-        value[0] = sqrtl(dot(p, p)) - 1;
-    else {
-        value[0] = u->glyph == ISO_GLYPH_CONE ? off - u->radius * (u->high - p[2]) * taper : off - u->radius;
-        value[4] = u->low - p[2];
-        value[5] = p[2] - u->high;
+    const real taper = 1 / (u->high - u->low);
+    const bool box = u->glyph == ISO_GLYPH_BOX, ball = u->glyph == ISO_GLYPH_ELLIPSOID;
+    const real off = box ? 0 : sqrtl(p[0] * p[0] + p[1] * p[1] + (ball ? p[2] * p[2] : 0));
+    const real radius = u->glyph == ISO_GLYPH_CONE ? u->radius * (u->high - p[2]) * taper : u->radius;
+    real most = box ? -INFINITY : off - radius;
+    int active = -1; /* 2 a + 1, 2 a: the plane across axis a, towards larger and smaller coordinates */
+    for (int a = box ? 0 : 2; a < 3 && !ball; a++) {
+        const real below = (box ? -1 : u->low) - p[a], above = p[a] - (box ? 1 : u->high);
+        if (below > most) most = below, active = 2 * a;
+        if (above > most) most = above, active = 2 * a + 1;
     }
-    int active = 0;
-    for (int i = 0; i < 6; i++)
-        if (value[i] > most) most = value[active = i];
     if (!gradient) return most;
-    for (int a = 0; a < 3; a++) gradient[a] = 0;
-    gradient[active / 2] = active % 2 ? 1 : -1;
-    if (u->glyph == ISO_GLYPH_ELLIPSOID || (u->glyph != ISO_GLYPH_BOX && active == 0)) {
-        for (int a = 0; a < 3; a++) gradient[a] = p[a];
-        if (u->glyph != ISO_GLYPH_ELLIPSOID)
-            gradient[2] = u->glyph == ISO_GLYPH_CONE ? off * u->radius * taper : 0;
-    }
+    for (int a = 0; a < 3; a++) gradient[a] = active < 0 ? p[a] : 0;
+    if (active >= 0)
+        gradient[active / 2] = active % 2 ? 1 : -1;
+    else if (!ball)
+        gradient[2] = u->glyph == ISO_GLYPH_CONE ? off * u->radius * taper : 0;
     return most;
 }
 
-static real outside_at(const unit *u, const ray *r, real t) {
+static real outside_at(const ray *r, const void *of, real t) {
     real p[3];
     point_at(r, t, p);
-    return outside(u, p, NULL);
+    return outside(of, p, NULL);
 }
 
 static bool convex_piece(const unit *u, const ray *r, piece *out) {
-    const real dd = dot(r->direction, r->direction), middle = -dot(r->origin, r->direction) / dd,
-               reach = 2 / sqrtl(dd);
-    real low = middle - reach, high = middle + reach;
-    for (int step = 0; step < 2 * STEPS && outside_at(u, r, (low + high) / 2) > 0; step++) {
-        const real a = (2 * low + high) / 3, b = (low + 2 * high) / 3;
-        const real at_a = outside_at(u, r, a), at_b = outside_at(u, r, b);
-        *(at_a < at_b ? &high : &low) = at_a < at_b ? b : a;
-    }
-    const real inside = (low + high) / 2;
-    if (!(outside_at(u, r, inside) <= 0)) return false;
+    const real length = sqrtl(r->square), middle = -dot(r->origin, r->direction) / r->square,
+               reach = 2 / length;
+    const real inside = least(outside_at, r, u, middle - reach, middle + reach, 0, 2 * length);
+    if (!(outside_at(r, u, inside) <= 0)) return false;
     for (int end = 0; end < 2; end++) {
         real in = inside, beyond = end ? middle + reach : middle - reach, p[3];
-        for (int step = 0; step < 64; step++) {
+        for (int step = 0; step < STEPS; step++) {
             const real half = (in + beyond) / 2;
-            *(outside_at(u, r, half) <= 0 ? &in : &beyond) = half;
+            *(outside_at(r, u, half) <= 0 ? &in : &beyond) = half;
         }
         out->t[end] = in;
         point_at(r, in, p);
@@ -587,12 +602,13 @@ static int solid_pieces(const solid *s, const ray *r, piece out[2]) {
     real to[3];
     for (int a = 0; a < 3; a++) to[a] = s->shape.center[a] - r->origin[a];
     /* measured from the point nearest to the centre, for precision */
-    const real shift = dot(to, r->direction) / dot(r->direction, r->direction);
+    const real shift = dot(to, r->direction) / r->square;
     for (int a = 0; a < 3; a++) to[a] = shift * r->direction[a] - to[a];
     for (int i = 0; i < 3; i++) {
         local.origin[i] = dot(s->inverse[i], to);
         local.direction[i] = dot(s->inverse[i], r->direction);
     }
+    local.square = dot(local.direction, local.direction);
     const int count = unit_pieces(s->glyph, &local, out);
     for (int i = 0; i < count; i++)
         for (int end = 0; end < 2; end++) {
