@@ -28,12 +28,32 @@ iso_status iso_format_dims(const char *path, const uint64_t dims[3], iso_volume_
     return ISO_OK;
 }
 
+/* The command by VTK's Python (Debian: python3-vtk9) that resamples a grid which one of its readers reads. */
+#define RESAMPLE(reader)                                                                                     \
+    ": python3 -c \"import vtk; r = vtk." reader "; s = vtk.vtkResampleToImage(); "                          \
+    "s.SetSamplingDimensions(128, 128, 128); s.SetInputConnection(r.GetOutputPort()); "                      \
+    "w = vtk.vtkXMLImageDataWriter(); w.SetInputConnection(s.GetOutputPort()); "                             \
+    "w.SetFileName('FILE.vti'); w.Write()\" resamples it"
+
 iso_status iso_format_not_image(const char *path, const char *kind, iso_error *error) {
-    return iso_fail(error, ISO_ERR_FORMAT, "%s: holds a %.80s, not an image%s", path, kind,
-                    strcasestr(kind, "grid")
-                        ? ": resample it in ParaView (Filters, Resample To Image) or VTK "
-                          "(vtkResampleToImage), and save it as .vti"
-                        : "");
+    static const struct {
+        const char *kind, *advice;
+    } grids[] = {
+        {"UNSTRUCTURED_GRID", RESAMPLE("vtkGenericDataObjectReader(); r.SetFileName('FILE')")},
+        {"STRUCTURED_GRID", RESAMPLE("vtkGenericDataObjectReader(); r.SetFileName('FILE')")},
+        {"UnstructuredGrid", RESAMPLE("vtkXMLGenericDataObjectReader(); r.SetFileName('FILE')")},
+        {"StructuredGrid", RESAMPLE("vtkXMLGenericDataObjectReader(); r.SetFileName('FILE')")},
+        {"grid of Exodus", RESAMPLE("vtkExodusIIReader(); r.SetFileName('FILE'); r.UpdateInformation(); "
+                                    "r.SetAllArrayStatus(r.NODAL, 1)")},
+        {"grid of Gmsh",
+         ": meshio convert FILE FILE.vtu makes a .vtu of it, whose refusal names what resamples"}};
+    const char *advice = strcasestr(kind, "grid")
+                             ? ": resample it in ParaView (Filters, Resample To Image), and "
+                               "save it as .vti"
+                             : "";
+    for (size_t i = 0; i < sizeof grids / sizeof *grids; i++)
+        if (strcmp(kind, grids[i].kind) == 0) advice = grids[i].advice;
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: holds a %.80s, not an image%s", path, kind, advice);
 }
 
 iso_status iso_format_component(const char *path, const iso_volume_opts *opts, int components,

@@ -13,6 +13,9 @@
  * volume.c checks the result of `info` (dims, directions, component), applies opts->spacing to
  * info->transform, and sets `bytes` and `read_bytes` if they are 0: to the size of a dense grid.
  *
+ * `info` may set *opts->axes (never NULL for readers) to the voxels' coordinates, with info's dims as they
+ * are in the file: volume.c resamples what `read` then reads, if they are uneven.
+ *
  * If `info` sets *opts->place (never NULL for readers), volume.c reads or maps the voxels from there and does
  * not call `read`. A module could not do so: it has copies of this library's functions, and a grid is
  * recognised as mapped by the function that releases it. */
@@ -166,16 +169,17 @@ void iso_format_stream_room(const iso_format_stream *stream, iso_volume_info *in
 /* Where voxels lie in a file as they are, or in a file that gzip has compressed, or as text. */
 enum { ISO_FORMAT_PATH = 4096 };
 typedef struct iso_format_place {
-    bool known;        /* the rest is set */
-    bool swap;         /* as in iso_format_stream */
-    bool separate;     /* each component is a volume behind the one before it; false: interleaved */
-    bool gzip;         /* the whole file is compressed, and `position` is in the unpacked one */
-    bool text;         /* numbers between white space, stored as `scalar` */
-    bool bits;         /* uint8 0 or 1, eight of them in a byte, the first one the highest bit */
-    iso_scalar scalar; /* of each of info->components components */
-    uint64_t position; /* of the first byte in the file, or behind `plain` in the unpacked one */
-    uint64_t plain;    /* with gzip: bytes of the file in front of what is compressed */
-    bool told;         /* not known, for `read` does more than reading what lies there; the rest is for
+    bool known;                /* the rest is set */
+    bool swap;                 /* as in iso_format_stream */
+    int components, component; /* of the values there, if `components` is above 0; else info's */
+    bool separate;             /* each component is a volume behind the one before it; false: interleaved */
+    bool gzip;                 /* the whole file is compressed, and `position` is in the unpacked one */
+    bool text;                 /* numbers between white space, stored as `scalar` */
+    bool bits;                 /* uint8 0 or 1, eight of them in a byte, the first one the highest bit */
+    iso_scalar scalar;         /* of each of info->components components */
+    uint64_t position;         /* of the first byte in the file, or behind `plain` in the unpacked one */
+    uint64_t plain;            /* with gzip: bytes of the file in front of what is compressed */
+    bool told; /* not known, for `read` does more than reading what lies there; the rest is for
                   iso_volume_rewrite */
     char file[ISO_FORMAT_PATH]; /* where the voxels are; empty: in the file with the header */
 } iso_format_place;
@@ -210,6 +214,9 @@ size_t iso_gzip_head(const void *packed, size_t count, void *bytes, size_t room)
 typedef struct iso_inflater iso_inflater;
 iso_status iso_inflater_create(const char *path, FILE *file, uint64_t total, iso_inflater **inflater,
                                iso_error *error);
+/* The same for a bare stream of deflate, as in ZIP archives. */
+iso_status iso_inflater_create_bare(const char *path, FILE *file, uint64_t total, iso_inflater **inflater,
+                                    iso_error *error);
 /* Reads the next bytes, fewer only at the end of the stream. ISO_ERR_IO: damaged or truncated. */
 iso_status iso_inflater_read(iso_inflater *inflater, void *target, size_t bytes, size_t *got,
                              iso_error *error);
@@ -257,6 +264,11 @@ bool iso_format_read_numbers(FILE *file, const char *separators, iso_scalar scal
 /* The path of a file that a header names relative to its own folder, malloc'ed (free). NULL: out of memory.
  */
 char *iso_format_beside(const char *header, const char *name);
+
+/* Reads a text of at most `most` bytes, for which zeros follow (iso_free). ISO_ERR_FORMAT: it is longer;
+ * ISO_ERR_IO, ISO_ERR_NOMEM. */
+iso_status iso_format_load_text(const char *path, uint64_t most, char **text, size_t *bytes,
+                                iso_error *error);
 
 /* The length of a unit in mm, such as "um", "micron" or "inch", in any case; 0: it is no unit of length. */
 double iso_format_unit(const char *name);

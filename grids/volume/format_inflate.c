@@ -14,22 +14,34 @@ struct iso_inflater {
     const char *path;
     FILE *file;
     uint64_t done, total;
+    bool bare; /* a stream of deflate without a header, of which none follows */
     z_stream z;
     unsigned char packed[1 << 16];
 };
 
-iso_status iso_inflater_create(const char *path, FILE *file, uint64_t total, iso_inflater **inflater,
-                               iso_error *error) {
+static iso_status create(const char *path, FILE *file, uint64_t total, bool bare, iso_inflater **inflater,
+                         iso_error *error) {
     iso_inflater *made = iso_alloc_zero(1, sizeof *made);
-    if (!made || inflateInit2(&made->z, 15 + 32) != Z_OK) { /* + 32: detects zlib or gzip */
+    if (!made || inflateInit2(&made->z, bare ? -15 : 15 + 32) != Z_OK) { /* + 32: detects zlib or gzip */
         iso_free(made);
         return iso_fail_memory(error, path);
     }
     made->path = path;
     made->file = file;
     made->total = total;
+    made->bare = bare;
     *inflater = made;
     return ISO_OK;
+}
+
+iso_status iso_inflater_create(const char *path, FILE *file, uint64_t total, iso_inflater **inflater,
+                               iso_error *error) {
+    return create(path, file, total, false, inflater, error);
+}
+
+iso_status iso_inflater_create_bare(const char *path, FILE *file, uint64_t total, iso_inflater **inflater,
+                                    iso_error *error) {
+    return create(path, file, total, true, inflater, error);
 }
 
 static void refill(iso_inflater *f) {
@@ -43,7 +55,7 @@ static void refill(iso_inflater *f) {
 static int inflate_some(iso_inflater *f) {
     refill(f);
     int result = inflate(&f->z, Z_NO_FLUSH);
-    if (result != Z_STREAM_END || f->z.avail_out == 0) return result;
+    if (result != Z_STREAM_END || f->z.avail_out == 0 || f->bare) return result;
     refill(f);
     return f->z.avail_in ? inflateReset(&f->z) : result;
 }

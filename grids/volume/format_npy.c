@@ -1,38 +1,78 @@
 /* format_npy: arrays of NumPy with three axes, z y x, or with four, of which the last one has the
  * components of a voxel. The axes are the same in Fortran order, in which the file has the first one
- * fastest. Arrays of two axes are points (src/io/glyphs/npy.c). */
+ * fastest. Arrays of two axes are points (src/io/glyphs/npy.c). In .npz, a ZIP archive, are several of them,
+ * stored or deflated. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
+#include "base/file_types.h"
 #include "base/memory.h"
+#include "base/zip.h"
+#include "grids/volume/mapping.h"
 #include "grids/volume/npy_header.h"
+
+/* An array that is open behind its header. close_npy when done. */
+typedef struct npy {
+    const char *path;
+    FILE *file;
+    uint64_t at, bytes;     /* of the array with its header: where it begins, and its size when unpacked */
+    iso_inflater *inflater; /* NULL: the file has it as it is */
+    iso_npy_header header;
+} npy;
 
 static iso_status fail_end(const char *path, iso_error *error) {
     return iso_fail(error, ISO_ERR_IO, "%s: truncated: the file ends in its header", path);
 }
 
-static iso_status read_header(const char *path, FILE *file, iso_npy_header *header, iso_error *error) {
+static iso_status fill(void *context, void *target, size_t bytes, iso_error *error) {
+    const npy *n = context;
+    if (n->inflater) return iso_inflater_fill(n->inflater, target, bytes, error);
+    if (fread(target, 1, bytes, n->file) == bytes) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", n->path,
+                    ferror(n->file) ? strerror(errno) : "changed while it was read");
+}
+
+static iso_status read_header(npy *n, iso_error *error) {
     unsigned char head[ISO_NPY_HEAD];
-    if (fread(head, 1, sizeof head, file) != sizeof head) return fail_end(path, error);
-    ISO_TRY(iso_npy_begin(path, head, header, error));
+    iso_npy_header *header = &n->header;
+    if (n->bytes < sizeof head) return fail_end(n->path, error);
+    ISO_TRY(fill(n, head, sizeof head, error));
+    ISO_TRY(iso_npy_begin(n->path, head, header, error));
+    const size_t had = sizeof head - header->text_at; /* of the text */
+    if (header->text_bytes < had || header->text_at + header->text_bytes > n->bytes)
+        return fail_end(n->path, error);
     char *text = calloc(1, header->text_bytes + 1);
-    if (!text) return iso_fail_memory(error, path);
-    iso_status status = ISO_OK;
-    if (fseek(file, (long)header->text_at, SEEK_SET) != 0 ||
-        fread(text, 1, header->text_bytes, file) != header->text_bytes)
-        status = fail_end(path, error);
-    if (status == ISO_OK) status = iso_npy_parse(path, text, header, error);
+    if (!text) return iso_fail_memory(error, n->path);
+    memcpy(text, head + header->text_at, had);
+    iso_status status = fill(n, text + had, header->text_bytes - had, error);
+    if (status == ISO_OK) status = iso_npy_parse(n->path, text, header, error);
     free(text);
     return status;
 }
 
-/* A file that is opened, with its header. */
-static iso_status open_npy(const char *path, FILE **file, iso_npy_header *header, iso_error *error) {
-    ISO_TRY(iso_file_open(path, file, NULL, error));
-    const iso_status status = read_header(path, *file, header, error);
-    if (status != ISO_OK) fclose(*file);
+static void close_npy(npy *n) {
+    iso_inflater_destroy(n->inflater);
+    fclose(n->file);
+}
+
+/* Opens a file, or what is packed in one; `entry` NULL: all of it. */
+static iso_status open_npy(const char *path, const iso_zip_entry *entry, uint64_t at, npy *n,
+                           iso_error *error) {
+    *n = (npy){.path = path};
+    ISO_TRY(iso_file_open(path, &n->file, &n->bytes, error));
+    iso_status status = ISO_OK;
+    if (entry) {
+        n->at = at;
+        n->bytes = entry->size;
+        if (fseeko(n->file, (off_t)at, SEEK_SET) != 0)
+            status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
+        else if (entry->deflated)
+            status = iso_inflater_create_bare(path, n->file, n->bytes, &n->inflater, error);
+    }
+    if (status == ISO_OK) status = read_header(n, error);
+    if (status != ISO_OK) close_npy(n);
     return status;
 }
 
@@ -63,37 +103,39 @@ static uint64_t bytes_of(const iso_npy_header *header) {
     return bytes;
 }
 
-static iso_status describe(const char *path, const iso_volume_opts *opts, const iso_npy_header *header,
-                           iso_volume_info *info, iso_error *error) {
+static iso_format_stream stream_of(npy *n, const iso_volume_info *info) {
+    return (iso_format_stream){.fill = fill,
+                               .context = n,
+                               .scalar = n->header.scalar,
+                               .components = info->components,
+                               .component = info->component,
+                               .swap = n->header.big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__)};
+}
+
+static iso_status describe(npy *n, const iso_volume_opts *opts, iso_volume_info *info, iso_error *error) {
+    const iso_npy_header *header = &n->header;
     const uint64_t position = header->text_at + header->text_bytes, wanted = bytes_of(header);
-    uint64_t dims[3], bytes = 0;
-    ISO_TRY(check_axes(path, header, error));
+    uint64_t dims[3];
+    ISO_TRY(check_axes(n->path, header, error));
     for (int i = 0; i < 3; i++) dims[i] = header->shape[2 - i];
-    ISO_TRY(iso_format_dims(path, dims, info, error));
-    ISO_TRY(iso_format_component(path, opts, components_of(header), info, error));
-    ISO_TRY(iso_format_file_bytes(path, &bytes, error));
-    if (bytes < position || bytes - position < wanted)
-        return iso_format_truncated(path, bytes,
+    ISO_TRY(iso_format_dims(n->path, dims, info, error));
+    ISO_TRY(iso_format_component(n->path, opts, components_of(header), info, error));
+    if (n->bytes < position || n->bytes - position < wanted)
+        return iso_format_truncated(n->path, n->bytes,
                                     wanted > UINT64_MAX - position ? UINT64_MAX : wanted + position, error);
     info->type = iso_scalar_stored_type(header->scalar);
     snprintf(info->file_type, sizeof info->file_type, "%s", iso_scalar_name(header->scalar));
     iso_volume_note(info, "no voxel size is stated: 1 mm is assumed (--spacing)");
     if (header->fortran) return ISO_OK;
-    *opts->place = (iso_format_place){.known = true,
-                                      .swap = header->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__),
-                                      .scalar = header->scalar,
-                                      .position = position};
-    iso_format_place_room(opts->place, info);
+    const iso_format_stream stream = stream_of(n, info);
+    if (n->inflater)
+        iso_format_stream_room(&stream, info);
+    else
+        iso_format_set_place(
+            &(iso_format_place){
+                .known = true, .swap = stream.swap, .scalar = header->scalar, .position = n->at + position},
+            opts, info);
     return ISO_OK;
-}
-
-static iso_status npy_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
-                           iso_error *error) {
-    iso_npy_header header;
-    FILE *file;
-    ISO_TRY(open_npy(path, &file, &header, error));
-    fclose(file);
-    return describe(path, opts, &header, info, error);
 }
 
 /* ---- Fortran order: z is the fastest axis, then y, x and the component */
@@ -114,54 +156,176 @@ static void place_plane(const iso_rgrid *grid, int x, const char *values) {
                    values + ((size_t)y * rows + (size_t)z) * size, size);
 }
 
-static iso_status read_planes(const char *path, FILE *file, const iso_volume_opts *opts,
-                              const iso_npy_header *header, const iso_volume_info *info, const plane *p,
-                              iso_rgrid *grid, iso_error *error) {
-    const size_t count = (size_t)grid->dims[1] * (size_t)grid->dims[2],
-                 size = iso_scalar_size(header->scalar);
-    const uint64_t skipped = (uint64_t)info->component * count * size * (uint64_t)grid->dims[0];
-    const iso_scalar_source source = {.data = p->raw,
-                                      .scalar = header->scalar,
-                                      .components = 1,
-                                      .swap = header->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__)};
-    if (fseeko(file, (off_t)(header->text_at + header->text_bytes + skipped), SEEK_SET) != 0)
-        return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    for (int x = 0; x < grid->dims[0]; x++) {
-        if (fread(p->raw, size, count, file) != count)
-            return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
+static iso_status read_planes(npy *n, const iso_volume_opts *opts, const iso_volume_info *info,
+                              const plane *p, iso_rgrid *grid, iso_error *error) {
+    const size_t count = (size_t)grid->dims[1] * (size_t)grid->dims[2];
+    iso_scalar_source source = {.data = p->raw,
+                                .scalar = n->header.scalar,
+                                .components = 1,
+                                .swap = n->header.big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__)};
+    const int64_t skipped = (int64_t)info->component * grid->dims[0];
+    for (int64_t i = 0; i < skipped + grid->dims[0]; i++) {
+        const int x = (int)(i - skipped);
+        ISO_TRY(fill(n, p->raw, count * iso_scalar_size(source.scalar), error));
+        if (x < 0) continue; /* of a component before */
         iso_scalar_convert(&source, count, grid->type, p->converted);
         place_plane(grid, x, p->converted);
-        ISO_TRY(iso_format_progress(path, opts, (double)(x + 1) / grid->dims[0], error));
+        ISO_TRY(iso_format_progress(n->path, opts, (double)(x + 1) / grid->dims[0], error));
     }
     return ISO_OK;
 }
 
-static iso_status read_fortran(const char *path, FILE *file, const iso_volume_opts *opts,
-                               const iso_npy_header *header, const iso_volume_info *info, iso_grid *grid,
-                               iso_error *error) {
+static iso_status read_fortran(npy *n, const iso_volume_opts *opts, const iso_volume_info *info,
+                               iso_grid *grid, iso_error *error) {
     const size_t count = (size_t)info->dims[1] * (size_t)info->dims[2];
-    for (int i = 0; i < 3; i++)
-        if (header->shape[2 - i] != (uint64_t)info->dims[i])
-            return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
-    ISO_TRY(iso_format_create(path, info, NULL, grid, error));
-    const plane p = {iso_alloc(count * iso_scalar_size(header->scalar)),
+    if (opts->mapped) ISO_TRY(iso_volume_check_memory(n->path, opts, info, error));
+    ISO_TRY(iso_format_create(n->path, info, NULL, grid, error));
+    const plane p = {iso_alloc(count * iso_scalar_size(n->header.scalar)),
                      iso_alloc(count * iso_type_size(info->type))};
-    const iso_status status = p.raw && p.converted
-                                  ? read_planes(path, file, opts, header, info, &p, grid->rgrid, error)
-                                  : iso_fail_memory(error, path);
+    const iso_status status = p.raw && p.converted ? read_planes(n, opts, info, &p, grid->rgrid, error)
+                                                   : iso_fail_memory(error, n->path);
     iso_free(p.raw);
     iso_free(p.converted);
     return status;
 }
 
+/* Reads what is not in one place of the file. */
+static iso_status read_array(npy *n, const iso_volume_opts *opts, const iso_volume_info *info, iso_grid *grid,
+                             iso_error *error) {
+    bool same = n->header.axes >= 3 && components_of(&n->header) == info->components &&
+                iso_scalar_stored_type(n->header.scalar) == info->type;
+    for (int i = 0; same && i < 3; i++) same = n->header.shape[2 - i] == (uint64_t)info->dims[i];
+    if (!same) return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", n->path);
+    if (n->header.fortran) return read_fortran(n, opts, info, grid, error);
+    const iso_format_stream stream = stream_of(n, info);
+    return iso_format_read_stream(n->path, opts, info, &stream, grid, error);
+}
+
+static iso_status npy_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                           iso_error *error) {
+    npy n;
+    ISO_TRY(open_npy(path, NULL, 0, &n, error));
+    const iso_status status = describe(&n, opts, info, error);
+    close_npy(&n);
+    return status;
+}
+
 static iso_status npy_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                            iso_grid *grid, iso_error *error) {
-    iso_npy_header header;
+    npy n;
+    ISO_TRY(open_npy(path, NULL, 0, &n, error));
+    const iso_status status = read_array(&n, opts, info, grid, error);
+    close_npy(&n);
+    return status;
+}
+
+/* ---- archives */
+
+/* The array that is read: its name, and the lists of all for messages. */
+typedef struct choice {
+    int axes, arrays;
+    char name[ISO_VOLUME_TEXT], others[400];
+} choice;
+
+/* Whether `wanted`, with a slash before it or without, is the name of an array. */
+static bool is_wanted(const char *wanted, const char *name) {
+    return strcmp(wanted + (*wanted == '/'), name) == 0;
+}
+
+/* Looks at an array: takes the one that is wanted, else the first one of three axes, else of four. */
+static iso_status consider(const char *path, const iso_zip_entry *entry, uint64_t at,
+                           const iso_volume_opts *opts, iso_volume_info *info, choice *c, npy *chosen,
+                           iso_error *error) {
+    char name[ISO_VOLUME_TEXT];
+    npy n;
+    iso_error detail = {0};
+    if (entry->name_length >= sizeof name) return ISO_OK;
+    snprintf(name, sizeof name, "%.*s", (int)entry->name_length, entry->name);
+    if (iso_file_type_of_name(name, ISO_HOLDS_VOLUME) != ISO_FILE_npy) return ISO_OK;
+    *strrchr(name, '.') = 0;
+    const size_t used = strlen(c->others);
+    if (used < sizeof c->others - 80)
+        snprintf(c->others + used, sizeof c->others - used, "%s'%.64s'", c->arrays ? ", " : "", name);
+    c->arrays++;
+    const bool wanted = opts->grid && is_wanted(opts->grid, name);
+    if (c->arrays > ISO_VOLUME_ITEMS && !wanted) return ISO_OK;
+    const iso_status status = open_npy(path, entry, at, &n, &detail);
+    if (status != ISO_OK) return wanted ? iso_fail(error, status, "%s", detail.text) : ISO_OK;
+    const int axes = n.header.axes == 3 ? 2 : n.header.axes == 4;
+    if (info && info->item_count < ISO_VOLUME_ITEMS)
+        snprintf(info->items[info->item_count++], ISO_VOLUME_TEXT, "%.128s: %s, %d axes", name,
+                 iso_scalar_name(n.header.scalar), n.header.axes);
+    if (opts->grid ? !wanted : axes <= c->axes) {
+        close_npy(&n);
+        return ISO_OK;
+    }
+    if (chosen->file) close_npy(chosen);
+    *chosen = n;
+    c->axes = axes;
+    memcpy(c->name, name, sizeof c->name);
+    return ISO_OK;
+}
+
+static iso_status choose(const char *path, const void *bytes, uint64_t count, const iso_volume_opts *opts,
+                         iso_volume_info *info, choice *c, npy *chosen, iso_error *error) {
+    iso_zip zip;
+    iso_zip_entry entry;
+    bool more;
+    ISO_TRY(iso_zip_open(path, bytes, (size_t)count, &zip, error));
+    for (;;) {
+        ISO_TRY(iso_zip_next(path, &zip, &entry, &more, error));
+        if (!more) break;
+        const uint64_t at = (uint64_t)(entry.data - (const unsigned char *)bytes);
+        ISO_TRY(consider(path, &entry, at, opts, info, c, chosen, error));
+    }
+    if (chosen->file) return ISO_OK;
+    if (opts->grid)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: no array '%.80s', there %s %s", path,
+                        opts->grid + (*opts->grid == '/'), c->arrays == 1 ? "is" : "are", c->others);
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: holds no array of three axes%s%s", path,
+                    c->arrays ? ", but " : "", c->others);
+}
+
+/* Opens the array of an archive that is read. `info`, which may be NULL, gets the list of all. */
+static iso_status open_npz(const char *path, const iso_volume_opts *opts, iso_volume_info *info, choice *c,
+                           npy *n, iso_error *error) {
     FILE *file;
-    ISO_TRY(open_npy(path, &file, &header, error));
-    const iso_status status = read_fortran(path, file, opts, &header, info, grid, error);
+    uint64_t bytes;
+    iso_mapping *mapping = NULL;
+    *n = (npy){.path = path};
+    *c = (choice){.axes = 0};
+    ISO_TRY(iso_file_open(path, &file, &bytes, error));
+    iso_status status = iso_mapping_of_file(path, file, bytes, &mapping, error);
     fclose(file);
+    ISO_TRY(status);
+    status = choose(path, iso_mapping_data(mapping), bytes, opts, info, c, n, error);
+    iso_mapping_destroy(mapping);
+    if (status != ISO_OK && n->file) close_npy(n);
+    return status;
+}
+
+static iso_status npz_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                           iso_error *error) {
+    npy n;
+    choice c;
+    ISO_TRY(open_npz(path, opts, info, &c, &n, error));
+    snprintf(info->name, sizeof info->name, "%s", c.name);
+    if (c.arrays > 1 && !opts->grid)
+        iso_volume_note(info, "several arrays: using '%.80s' of %d (--grid)", c.name, c.arrays);
+    const iso_status status = describe(&n, opts, info, error);
+    close_npy(&n);
+    return status;
+}
+
+static iso_status npz_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                           iso_grid *grid, iso_error *error) {
+    npy n;
+    choice c;
+    ISO_TRY(open_npz(path, opts, NULL, &c, &n, error));
+    const iso_status status = read_array(&n, opts, info, grid, error);
+    close_npy(&n);
     return status;
 }
 
 const iso_format iso_format_npy = {"npy", "isopoint", NULL, npy_info, npy_read, NULL};
+const iso_format iso_format_npz = {"npz", "isopoint", NULL, npz_info, npz_read, NULL};

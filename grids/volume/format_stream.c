@@ -1,5 +1,5 @@
 /* format_stream: functions for readers that read voxels in file order: filling a grid in chunks of bytes,
- * parsing numbers in text, and paths of files that a header names. */
+ * parsing numbers in text, loading texts, and paths of files that a header names. */
 #include <ctype.h>
 #include <errno.h>
 #include <stdlib.h>
@@ -169,7 +169,7 @@ static iso_status read_bytes(void *context, void *target, size_t bytes, iso_erro
     if (file->bits) return read_bits(file, target, bytes, error);
     if (file->text) {
         const size_t count = bytes / iso_scalar_size(file->scalar);
-        if (iso_format_read_numbers(file->stream, "", file->scalar, count, target)) return ISO_OK;
+        if (iso_format_read_numbers(file->stream, "<", file->scalar, count, target)) return ISO_OK;
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: a number is missing, or is none", file->path);
     }
     return read_stored(file, target, bytes, error);
@@ -183,8 +183,12 @@ static FILE *plain_file(void *context, uint64_t bytes) {
 
 static iso_format_stream stream_of(const iso_format_place *place, const iso_volume_info *info) {
     return (iso_format_stream){.scalar = place->scalar,
-                               .components = place->separate ? 1 : info->components,
-                               .component = place->separate ? 0 : info->component,
+                               .components = place->components ? place->components
+                                             : place->separate ? 1
+                                                               : info->components,
+                               .component = place->components ? place->component
+                                            : place->separate ? 0
+                                                              : info->component,
                                .swap = place->swap,
                                .fill = read_bytes,
                                .plain = plain_file};
@@ -217,10 +221,12 @@ iso_status iso_format_text_voxels(const char *path, FILE *file, const iso_volume
 }
 
 /* Goes to the first byte of the voxels; `end` is behind their last one. */
-static iso_status go_to_voxels(open_file *file, uint64_t bytes, uint64_t start, uint64_t end, bool gzip,
-                               iso_error *error) {
+static iso_status go_to_voxels(open_file *file, uint64_t bytes, uint64_t start, uint64_t end,
+                               const iso_format_place *place, iso_error *error) {
     char skipped[1 << 14];
-    if (gzip) {
+    if (place->gzip) {
+        if (fseeko(file->stream, (off_t)place->plain, SEEK_SET) != 0)
+            return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", file->path, strerror(errno));
         ISO_TRY(iso_inflater_create(file->path, file->stream, end, &file->inflater, error));
         for (uint64_t part; start; start -= part) {
             part = start < sizeof skipped ? start : sizeof skipped;
@@ -254,7 +260,7 @@ iso_status iso_format_read_place(const char *path, const iso_volume_opts *opts, 
         end = UINT64_MAX;
     ISO_TRY(iso_file_open(file.path, &file.stream, &bytes, error));
     stream.context = &file;
-    iso_status status = go_to_voxels(&file, bytes, start, end, place->gzip, error);
+    iso_status status = go_to_voxels(&file, bytes, start, end, place, error);
     if (status == ISO_OK && first) status = read_stored(&file, &file.held, 1, error);
     file.left = first ? 8 - (unsigned)first : 0;
     if (status == ISO_OK) status = iso_format_read_stream(path, opts, info, &stream, grid, error);
@@ -336,6 +342,31 @@ bool iso_format_read_numbers(FILE *file, const char *separators, iso_scalar scal
         if (!next_word(file, separators, word) || !store_number(word, scalar, (char *)target + i * size))
             return false;
     return true;
+}
+
+iso_status iso_format_load_text(const char *path, uint64_t most, char **text, size_t *bytes,
+                                iso_error *error) {
+    FILE *file;
+    uint64_t size;
+    ISO_TRY(iso_file_open(path, &file, &size, error));
+    iso_status status = ISO_OK;
+    char *loaded = NULL;
+    if (size > most)
+        status = iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: a text of %llu bytes, of %llu at most", path,
+                          (unsigned long long)size, (unsigned long long)most);
+    else if (!(loaded = iso_alloc_zero(1, (size_t)size + 1)))
+        status = iso_fail_memory(error, path);
+    else if (fread(loaded, 1, (size_t)size, file) != size)
+        status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path,
+                          ferror(file) ? strerror(errno) : "changed while it was read");
+    fclose(file);
+    if (status != ISO_OK) {
+        iso_free(loaded);
+        return status;
+    }
+    *text = loaded;
+    *bytes = (size_t)size;
+    return ISO_OK;
 }
 
 char *iso_format_beside(const char *header, const char *name) {

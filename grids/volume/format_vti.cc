@@ -195,33 +195,6 @@ bool image_reader::layouts(size_t piece, const iso_format_array &array, std::vec
     return true;
 }
 
-/* Whether the pieces from `first` on cover a box of points. The part that the first piece does not cover is
- * divided into at most six boxes, which are tested recursively. */
-bool covered(extent box, const std::vector<extent> &pieces, size_t first) {
-    for (size_t i = first; i < pieces.size(); i++) {
-        const extent &piece = pieces[i];
-        bool apart = false;
-        for (size_t a = 0; a < 6; a += 2) apart = apart || piece[a] > box[a + 1] || piece[a + 1] < box[a];
-        if (apart) continue;
-        for (size_t a = 0; a < 6; a += 2) {
-            extent rest = box;
-            if (box[a] < piece[a]) {
-                rest[a + 1] = piece[a] - 1;
-                if (!covered(rest, pieces, i + 1)) return false;
-                box[a] = piece[a];
-            }
-            rest = box;
-            if (box[a + 1] > piece[a + 1]) {
-                rest[a] = piece[a + 1] + 1;
-                if (!covered(rest, pieces, i + 1)) return false;
-                box[a + 1] = piece[a + 1];
-            }
-        }
-        return true;
-    }
-    return false;
-}
-
 bool scalar_of(int type, iso_scalar *scalar) {
     switch (type) {
     case VTK_UNSIGNED_CHAR:
@@ -498,7 +471,8 @@ iso_status check_pieces(const char *path, const image_reader *reader, const head
             return iso_fail(error, ISO_ERR_FORMAT, "%s: a piece lies outside the image's extent", path);
         if (cells) piece = cell_extent(piece, found.whole);
     }
-    if (covered(cells ? cell_extent(found.whole, found.whole) : found.whole, pieces, 0)) return ISO_OK;
+    const extent box = cells ? cell_extent(found.whole, found.whole) : found.whole;
+    if (iso_vti_covered(box.data(), pieces.data()->data(), pieces.size())) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: truncated: its pieces do not cover its extent", path);
 }
 

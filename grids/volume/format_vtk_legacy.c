@@ -28,9 +28,8 @@ typedef struct vtk_file {
     bool binary;
     uint64_t dims[3]; /* points */
     double origin[3], spacing[3];
-    bool rectilinear, even; /* the axes have coordinates; their steps are all alike */
+    bool rectilinear; /* the axes have coordinates */
     iso_rectilinear axes;
-    iso_type stored; /* of the array, before it is resampled */
     iso_format_array arrays[MAX_ARRAYS];
     uint64_t positions[MAX_ARRAYS]; /* positions of their first numbers in the file */
     int array_count;
@@ -370,8 +369,8 @@ static iso_status describe_axes(vtk_file *f, bool cells, iso_volume_info *info, 
                             "%s: not a readable VTK file: %d coordinates for %llu points on axis %d", f->path,
                             f->axes.count[i], (unsigned long long)f->dims[i], i);
     if (cells) iso_rectilinear_take_cells(&f->axes);
-    f->stored = info->type;
-    return iso_rectilinear_describe(f->path, &f->axes, info, &f->even, error);
+    for (int i = 0; i < 3; i++) info->transform.origin[i] = f->axes.axis[i][0];
+    return ISO_OK;
 }
 
 static iso_status describe(vtk_file *f, const iso_volume_opts *opts, iso_volume_info *info, int *chosen,
@@ -386,18 +385,6 @@ static iso_status describe(vtk_file *f, const iso_volume_opts *opts, iso_volume_
     ISO_TRY(iso_format_dims(f->path, f->dims, info, error));
     ISO_TRY(iso_format_take_array(f->path, opts, &image, info, chosen, error));
     return f->rectilinear ? describe_axes(f, f->arrays[*chosen].cells, info, error) : ISO_OK;
-}
-
-static bool is_resampled(const vtk_file *f) {
-    return f->rectilinear && !f->even;
-}
-
-/* The voxels as they are in the file, of the grid that `info` describes. */
-static iso_volume_info info_in_file(const vtk_file *f, const iso_volume_info *info) {
-    iso_volume_info stored = *info;
-    stored.type = f->stored;
-    for (int i = 0; i < 3; i++) stored.dims[i] = f->axes.count[i];
-    return stored;
 }
 
 static iso_format_stream stream_of(const vtk_file *f, int chosen, int component) {
@@ -415,14 +402,10 @@ static iso_status vtk_info(const char *path, const iso_volume_opts *opts, iso_vo
     iso_status status = describe(&f, opts, info, &chosen, error);
     iso_format_stream stream = {0};
     if (status == ISO_OK) stream = stream_of(&f, chosen, info->component);
-    if (status == ISO_OK && is_resampled(&f)) {
-        iso_volume_info stored = info_in_file(&f, info);
-        iso_format_stream_room(&stream, &stored);
-        const uint64_t bytes = iso_format_size(info->dims, sizeof(float));
-        if (__builtin_add_overflow(stored.read_bytes, bytes, &info->read_bytes))
-            info->read_bytes = UINT64_MAX;
-    } else if (status == ISO_OK) {
+    if (status == ISO_OK) {
         iso_format_stream_room(&stream, info);
+        *opts->axes = f.axes;
+        f.axes = (iso_rectilinear){.count = {0, 0, 0}};
     }
     close_vtk(&f);
     return status;
@@ -467,17 +450,7 @@ static iso_status read_array(vtk_file *f, const iso_volume_opts *opts, const iso
     stream.fill = read_bytes;
     stream.context = &from;
     stream.plain = plain_file;
-    if (!is_resampled(f)) return iso_format_read_stream(f->path, opts, info, &stream, grid, error);
-    const iso_volume_info stored = info_in_file(f, info);
-    iso_volume_opts in_memory = *opts; /* voxels that are resampled cannot stay in the file */
-    iso_grid before = {0};
-    in_memory.mapped = false;
-    if (opts->mapped) ISO_TRY(iso_volume_check_memory(f->path, opts, info, error));
-    ISO_TRY(iso_format_read_stream(f->path, &in_memory, &stored, &stream, &before, error));
-    const iso_status status =
-        iso_rectilinear_resample(f->path, &f->axes, &before, info, opts->pool, grid, error);
-    iso_grid_destroy(&before);
-    return status;
+    return iso_format_read_stream(f->path, opts, info, &stream, grid, error);
 }
 
 static iso_status vtk_read(const char *path, const iso_volume_opts *opts, iso_volume_info *info,

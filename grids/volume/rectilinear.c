@@ -1,8 +1,10 @@
 /* rectilinear: steps of coordinates, and interpolation. */
 #include "grids/volume/rectilinear.h"
 
+#include <float.h>
 #include <limits.h>
 #include <math.h>
+#include <stdlib.h>
 
 #include "base/memory.h"
 
@@ -27,27 +29,66 @@ static bool steps_of(const double *at, int count, double *least, double *most) {
     return isfinite(at[0]);
 }
 
+/* Whether coordinates lie on even steps, but for a thousandth of one, or for the rounding of floats. */
+static bool is_even(const double *at, int count, double step) {
+    const double noise = fmax(1e-3 * step, 2 * (double)FLT_EPSILON * fmax(fabs(at[0]), fabs(at[count - 1])));
+    for (int i = 1; i < count; i++)
+        if (fabs(at[i] - at[0] - i * step) > noise) return false;
+    return true;
+}
+
+static int compare(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The median of the steps; 0: no memory. */
+static double median_step(const double *at, int count) {
+    double *steps = iso_alloc((size_t)count * sizeof *steps);
+    if (!steps) return 0;
+    for (int i = 1; i < count; i++) steps[i - 1] = at[i] - at[i - 1];
+    qsort(steps, (size_t)count - 1, sizeof *steps, compare);
+    const double median = steps[(count - 1) / 2];
+    iso_free(steps);
+    return median;
+}
+
+/* Sets the voxels and spacing of an uneven axis: its smallest step, or the median one where that makes more
+ * than four times as many voxels. */
+static iso_status describe_axis(const char *path, const double *at, int count, int axis, double least,
+                                iso_volume_info *info, bool *median, iso_error *error) {
+    const double length = at[count - 1] - at[0];
+    double step = least;
+    if (length / least > 4.0 * count) {
+        step = median_step(at, count);
+        if (step == 0) return iso_fail_memory(error, path);
+        *median = true;
+    }
+    const double steps = ceil(length / step * (1 - 1e-6));
+    if (!(steps < INT_MAX))
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: its steps on axis %d, from %g on, are too uneven", path,
+                        axis, least);
+    info->dims[axis] = (int)steps + 1;
+    info->transform.spacing[axis] = length / steps;
+    return ISO_OK;
+}
+
 iso_status iso_rectilinear_describe(const char *path, const iso_rectilinear *r, iso_volume_info *info,
                                     bool *even, iso_error *error) {
+    const int before[3] = {info->dims[0], info->dims[1], info->dims[2]};
     double spread = 0;
+    bool median = false;
     *even = true;
     for (int axis = 0; axis < 3; axis++) {
         const double *at = r->axis[axis];
         const int count = r->count[axis];
         double least, most;
+        if (!at) continue;
         if (!steps_of(at, count, &least, &most))
             return iso_fail(error, ISO_ERR_FORMAT, "%s: its coordinates on axis %d do not rise", path, axis);
-        const double length = at[count - 1] - at[0];
-        info->transform.origin[axis] = at[0];
-        info->transform.spacing[axis] = count > 1 ? length / (count - 1) : 1;
-        info->dims[axis] = count;
-        if (count < 3 || most <= least * (1 + 1e-4)) continue;
-        const double steps = ceil(length / least * (1 - 1e-6));
-        if (!(steps < INT_MAX))
-            return iso_fail(error, ISO_ERR_FORMAT, "%s: its steps on axis %d, of %g to %g, are too uneven",
-                            path, axis, least, most);
-        info->dims[axis] = (int)steps + 1;
-        info->transform.spacing[axis] = length / steps;
+        if (count > 1) info->transform.spacing[axis] = (at[count - 1] - at[0]) / (count - 1);
+        if (count < 3 || is_even(at, count, info->transform.spacing[axis])) continue;
+        ISO_TRY(describe_axis(path, at, count, axis, least, info, &median, error));
         spread = fmax(spread, most / least);
         *even = false;
     }
@@ -55,9 +96,9 @@ iso_status iso_rectilinear_describe(const char *path, const iso_rectilinear *r, 
     info->type = ISO_FLOAT32;
     info->bytes = 0;
     iso_volume_note(info,
-                    "resampled from %d x %d x %d voxels to the smallest step on each axis (steps differ by "
+                    "resampled from %d x %d x %d voxels to the %s step on each axis (steps differ by "
                     "%.3g times)",
-                    r->count[0], r->count[1], r->count[2], spread);
+                    before[0], before[1], before[2], median ? "smallest or median" : "smallest", spread);
     return ISO_OK;
 }
 
@@ -71,6 +112,10 @@ static place *places_of(const iso_rectilinear *r, const iso_volume_info *info, i
     place *places = iso_alloc((size_t)info->dims[axis] * sizeof *places);
     const double *at = r->axis[axis];
     const int last = r->count[axis] - 1;
+    if (!at) {
+        for (int i = 0; places && i < info->dims[axis]; i++) places[i] = (place){i, 0};
+        return places;
+    }
     for (int i = 0, before = 0; places && i < info->dims[axis]; i++) {
         const double x = i == info->dims[axis] - 1 ? at[last] : at[0] + i * info->transform.spacing[axis];
         while (before + 1 < last && at[before + 1] <= x) before++;

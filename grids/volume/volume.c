@@ -21,7 +21,7 @@
 #include "grids/volume/format.h"
 #include "grids/volume/mapping.h"
 #include "grids/volume/module.h"
-#include "grids/volume/npy_header.h"
+#include "grids/volume/rectilinear.h"
 #include "grids/volume/slice_files.h"
 #include "grids/volume/tiled.h"
 
@@ -109,6 +109,9 @@ static iso_status read_head(const char *path, head *h, iso_error *error) {
 typedef struct request {
     iso_volume_opts opts;
     iso_format_place place; /* opts.place points here */
+    iso_rectilinear axes;   /* opts.axes points here */
+    bool resampled;         /* the axes are uneven */
+    iso_volume_info stored; /* then: the voxels as they are in the file */
     bool mappable;
     iso_raw_layout guessed;
     bool is_guessed;
@@ -206,15 +209,44 @@ static bool is_metadata(const char *path) {
     return false;
 }
 
-/* What a file is that is often taken for a volume, and what to give instead; NULL: nothing is known of it. */
+#define EXODUS ".exo .ex2 .e"
+
+/* Files that are often taken for a volume, by how they begin, and what to do with them. A point cloud in LAZ
+ * has a reader that refuses it (src/io/glyphs/las.c). */
+static const struct {
+    const char *begins, *advice;
+} confused[] = {
+    {"\x89PNG\r\n\x1a\n", "is one picture: a volume in PNG is a folder with a file for each slice"},
+    {"\xff\xd8\xff",
+     "is a picture in JPEG, which is not read as a slice of a volume: a folder of them becomes one of PNG by "
+     "mogrify -format png -path slices *.jpg"},
+    {"ASTM-E57",
+     "is a scan in E57, which is not read: pdal translate scan.e57 scan.las, or CloudCompare, converts it"},
+    {"CDF\1", "is NetCDF of version 3: nccopy -k netCDF-4 makes a file of it that is read"},
+    {"CDF\2", "is NetCDF of version 3: nccopy -k netCDF-4 makes a file of it that is read"},
+    {"CDF\5", "is NetCDF of version 3: nccopy -k netCDF-4 makes a file of it that is read"},
+    {"PK\3\4", "is a .zip archive: unpack it, and name the file or folder in it"}};
+
+/* Whether a path ends in one of the extensions, which blanks separate. */
+static bool ends_in(const char *path, const char *extensions) {
+    const char *dot = strrchr(path, '.');
+    for (const char *at = extensions; dot && *at; at += strspn(at, " ")) {
+        const size_t length = strcspn(at, " ");
+        if (strlen(dot) == length && strncasecmp(dot, at, length) == 0) return true;
+        at += length;
+    }
+    return false;
+}
+
+/* What to do with a file that is no volume; NULL: nothing is known of it. */
 static const char *near_miss(const char *path, const head *h) {
-    const iso_file_type type = iso_file_type_of_head(h->bytes, h->count, ~0u);
-    if (type == ISO_FILE_png) return "is one picture: a volume in PNG is a folder with a file for each slice";
+    for (size_t i = 0; i < sizeof confused / sizeof *confused; i++) {
+        const size_t length = strlen(confused[i].begins);
+        if (h->count >= length && memcmp(h->bytes, confused[i].begins, length) == 0)
+            return confused[i].advice;
+    }
     if (iso_file_type_of_name(path, ISO_HOLDS_RAW) != ISO_FILE_UNKNOWN)
         return "raw data needs a layout (--raw WxHxD:TYPE)";
-    if (type == ISO_FILE_jpeg) return "is a picture in JPEG, which is not read as a slice of a volume";
-    if (h->count >= 4 && memcmp(h->bytes, "PK\3\4", 4) == 0)
-        return "is a .zip archive: unpack it, and name the file or folder in it";
     if (is_metadata(path)) return "is the metadata of an array: name the folder that it is in";
     return NULL;
 }
@@ -223,6 +255,9 @@ static const char *near_miss(const char *path, const head *h) {
 static iso_status fail_unknown(const char *path, const head *h, iso_error *error) {
     char volumes[256], others[256];
     const char *reason = near_miss(path, h);
+    if (ends_in(path, EXODUS)) return iso_format_not_image(path, "grid of Exodus", error);
+    if (h->count >= 11 && memcmp(h->bytes, "$MeshFormat", 11) == 0)
+        return iso_format_not_image(path, "grid of Gmsh", error);
     if (reason) return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", path, reason);
     iso_file_type_extensions(ISO_HOLDS_VOLUME, 0, "", volumes, sizeof volumes);
     iso_file_type_extensions(ISO_HOLDS_MESH | ISO_HOLDS_LINES | ISO_HOLDS_GLYPHS, ISO_HOLDS_VOLUME, "and",
@@ -250,7 +285,9 @@ static iso_status find_format(const char *path, request *r, const iso_format **f
     ISO_TRY(read_head(path, &h, error));
     *format = r->opts.raw ? &iso_format_raw : format_of_file(path, &h);
     if (!r->opts.raw) ISO_TRY(guess_raw(path, (uint64_t)status.st_size, r, format, error));
-    if (!*format) return fail_unknown(path, &h, error);
+    /* (Exodus is also HDF5) */
+    if (!*format || (*format == &iso_format_hdf5 && ends_in(path, EXODUS)))
+        return fail_unknown(path, &h, error);
     if (!h.gzip || reads_gzip(*format) || *format == &iso_format_raw) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT,
                     "%s: is a file of type %s that gzip has compressed: unpack it (gunzip)", path,
@@ -407,11 +444,17 @@ static iso_status load_format(const char *path, const iso_format **format, iso_e
                     (*format)->library);
 }
 
+/* Whether a word is in a list of words, each between blanks. */
+static bool is_one_of(const char *word, const char *list) {
+    const size_t length = strlen(word);
+    for (const char *at = list; (at = strstr(at, word)); at++)
+        if (at[-1] == ' ' && at[length] == ' ') return true;
+    return false;
+}
+
 /* Notes options that were given but have no effect on files of this format. */
 static void note_unused(const iso_volume_opts *opts, iso_volume_info *info) {
-    const bool named = strcmp(info->format, "vdb") == 0 || strcmp(info->format, "vti") == 0 ||
-                       strcmp(info->format, "vtk") == 0 || strcmp(info->format, "hdf5") == 0;
-    if (opts->grid && !named)
+    if (opts->grid && !is_one_of(info->format, " vdb vti vtk hdf5 npz vtr pvti pvd vtm xdmf amira "))
         iso_volume_note(info, "grid \"%.80s\" is not looked for: a %s file has no grids with names (--grid)",
                         opts->grid, info->format);
     if (opts->series && strcmp(info->format, "dicom") != 0)
@@ -441,13 +484,23 @@ static void note_guess(const iso_raw_layout *raw, iso_volume_info *info) {
 /* Whether lengths are not in mm: in angstrom, or in a unit that the format never states; of other formats the
  * reader says of a file that it does not. A spacing that is given is in the file's unit, or else in mm. */
 static bool is_unitless(const iso_volume_opts *opts, const iso_volume_info *info) {
-    static const char *const formats[] = {"raw", "vtk", "vti", "vdb", "npy"};
     if (info->angstrom) return true;
     if (opts->spacing[0] > 0 && opts->spacing[1] > 0 && opts->spacing[2] > 0) return false;
-    bool unitless = info->unitless;
-    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
-        unitless |= strcmp(info->format, formats[i]) == 0;
-    return unitless;
+    return info->unitless || is_one_of(info->format, " raw vtk vti vdb npy npz vtr pvti pvd vtm xdmf ");
+}
+
+/* Makes the steps even, by coordinates that the reader has set. */
+static iso_status take_axes(const char *path, request *r, iso_volume_info *info, iso_error *error) {
+    bool even = true;
+    r->stored = *info;
+    ISO_TRY(iso_rectilinear_describe(path, &r->axes, info, &even, error));
+    r->resampled = !even;
+    if (even) return ISO_OK;
+    const uint64_t voxels = iso_format_size(r->stored.dims, iso_type_size(r->stored.type)),
+                   read = r->stored.read_bytes > voxels ? r->stored.read_bytes : voxels,
+                   bytes = iso_format_size(info->dims, sizeof(float));
+    if (__builtin_add_overflow(read, bytes, &info->read_bytes)) info->read_bytes = UINT64_MAX;
+    return ISO_OK;
 }
 
 static iso_status describe_file(const char *path, request *r, const iso_format **format,
@@ -467,11 +520,13 @@ static iso_status describe_file(const char *path, request *r, const iso_format *
     if (r->is_guessed) note_guess(&r->guessed, info);
     iso_error detail = {0};
     r->opts.place = &r->place;
+    r->opts.axes = &r->axes;
     iso_file_set_read(r->opts.files, r->path);
     ISO_TRY(name_path(path, r, (*format)->info(r->path, &r->opts, info, &detail), &detail, error));
+    ISO_TRY(take_axes(path, r, info, error));
     note_unused(&r->opts, info);
     info->unitless = is_unitless(&r->opts, info);
-    r->mappable = r->place.known || is_mappable(*format);
+    r->mappable = !r->resampled && (r->place.known || is_mappable(*format));
     if (r->opts.mappable) *r->opts.mappable = r->mappable;
     return check_info(path, &r->opts, info, error);
 }
@@ -482,6 +537,7 @@ static iso_status read_header(const char *path, request *r, const iso_format **f
     void *numbers = iso_decimal_point_begin();
     const iso_status status = describe_file(path, r, format, info, error);
     iso_decimal_point_end(numbers);
+    if (status != ISO_OK) iso_rectilinear_free(&r->axes);
     return status;
 }
 
@@ -508,7 +564,8 @@ iso_status iso_volume_find_place(const char *path, const iso_volume_opts *opts, 
     ISO_TRY(read_header(path, &r, &format, &found, error));
     clean_texts(&r.opts, &found);
     *info = found;
-    if (place) *place = r.place;
+    if (place) *place = r.resampled ? (iso_format_place){0} : r.place;
+    iso_rectilinear_free(&r.axes);
     return ISO_OK;
 }
 
@@ -569,17 +626,35 @@ static iso_status read_tiled(const iso_format *format, const char *path, const i
     return status;
 }
 
-static iso_status read_voxels(const iso_format *format, const request *r, iso_volume *volume,
+/* Reads the voxels as they are in the file. */
+static iso_status read_stored(const iso_format *format, const request *r, iso_volume *volume,
                               iso_error *error) {
-    iso_volume_info *info = &volume->info;
-    void *numbers = iso_decimal_point_begin();
-    iso_status status;
     if (r->place.known)
-        status = iso_format_read_place(r->path, &r->opts, info, &r->place, &volume->grid, error);
-    else
-        status = format->open_tiled ? read_tiled(format, r->path, &r->opts, volume, error)
-                                    : format->read(r->path, &r->opts, info, &volume->grid, error);
+        return iso_format_read_place(r->path, &r->opts, &volume->info, &r->place, &volume->grid, error);
+    return format->open_tiled ? read_tiled(format, r->path, &r->opts, volume, error)
+                              : format->read(r->path, &r->opts, &volume->info, &volume->grid, error);
+}
+
+static iso_status read_resampled(const iso_format *format, const request *r, iso_volume *volume,
+                                 iso_error *error) {
+    iso_volume stored = {.info = r->stored};
+    ISO_TRY(read_stored(format, r, &stored, error));
+    for (int i = r->stored.note_count; i < stored.info.note_count; i++)
+        iso_volume_note(&volume->info, "%s", stored.info.notes[i]);
+    const iso_status status = agrees(&r->stored, &stored.grid)
+                                  ? iso_rectilinear_resample(r->path, &r->axes, &stored.grid, &volume->info,
+                                                             r->opts.pool, &volume->grid, error)
+                                  : iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", r->path);
+    iso_grid_destroy(&stored.grid);
+    return status;
+}
+
+static iso_status read_voxels(const iso_format *format, request *r, iso_volume *volume, iso_error *error) {
+    void *numbers = iso_decimal_point_begin();
+    const iso_status status =
+        r->resampled ? read_resampled(format, r, volume, error) : read_stored(format, r, volume, error);
     iso_decimal_point_end(numbers);
+    iso_rectilinear_free(&r->axes);
     return status;
 }
 
@@ -591,10 +666,14 @@ iso_status iso_volume_read(const char *path, const iso_volume_opts *opts, iso_vo
     iso_volume result = {0};
     ISO_TRY(read_header(path, &r, &format, &result.info, error));
     r.opts.mapped = r.opts.mapped && r.mappable;
-    if (!opts->mapped) ISO_TRY(iso_volume_check_memory(path, opts, &result.info, error));
-    ISO_TRY(iso_format_progress(path, opts, 0, error));
+    iso_status status = opts->mapped ? ISO_OK : iso_volume_check_memory(path, opts, &result.info, error);
+    if (status == ISO_OK) status = iso_format_progress(path, opts, 0, error);
+    if (status != ISO_OK) {
+        iso_rectilinear_free(&r.axes);
+        return status;
+    }
     iso_error detail = {0};
-    iso_status status = read_voxels(format, &r, &result, &detail);
+    status = read_voxels(format, &r, &result, &detail);
     ISO_TRY(name_path(path, &r, status, &detail, error));
     if (!agrees(&result.info, &result.grid))
         status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);

@@ -82,6 +82,7 @@ iso_status iso_channels_find(const iso_channels *channels, int components, const
                              iso_error *error);
 
 struct iso_format_place;
+struct iso_rectilinear;
 
 /* All zero means the default. Strings are borrowed for the call. */
 typedef struct iso_volume_opts {
@@ -113,6 +114,7 @@ typedef struct iso_volume_opts {
      * they are. */
     bool *mappable;
     struct iso_format_place *place; /* for readers only (grids/volume/format.h) */
+    struct iso_rectilinear *axes;   /* for readers only (grids/volume/rectilinear.h) */
     int chunk_side;      /* voxels along the side of the chunks that will be read of tiles; 0: 128 */
     iso_file_set *files; /* every file that is read, or will be, is added by iso_volume_read_info and
                             iso_volume_read; NULL is fine */

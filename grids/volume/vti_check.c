@@ -354,3 +354,33 @@ iso_status iso_vti_check_markup(const char *path, iso_error *error) {
     if (!m.problem) return ISO_OK;
     return iso_fail(error, ISO_ERR_FORMAT, "%s: %s", path, m.problem);
 }
+
+/* ---- pieces */
+
+/* The part that a piece does not cover is divided into at most six boxes, which are tested recursively. */
+bool iso_vti_covered(const int box[6], const int *boxes, size_t count) {
+    int left[6];
+    memcpy(left, box, sizeof left);
+    for (; count; boxes += 6, count--) {
+        bool apart = false;
+        for (int a = 0; a < 6; a += 2) apart = apart || boxes[a] > left[a + 1] || boxes[a + 1] < left[a];
+        if (apart) continue;
+        for (int a = 0; a < 6; a += 2) {
+            int rest[6];
+            memcpy(rest, left, sizeof rest);
+            if (left[a] < boxes[a]) {
+                rest[a + 1] = boxes[a] - 1;
+                if (!iso_vti_covered(rest, boxes + 6, count - 1)) return false;
+                left[a] = boxes[a];
+            }
+            memcpy(rest, left, sizeof rest);
+            if (left[a + 1] > boxes[a + 1]) {
+                rest[a] = boxes[a + 1] + 1;
+                if (!iso_vti_covered(rest, boxes + 6, count - 1)) return false;
+                left[a + 1] = boxes[a + 1];
+            }
+        }
+        return true;
+    }
+    return false;
+}

@@ -7,6 +7,7 @@
 #define ISO_GRIDS_VOLUME_VTI_CHECK_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/status.h"
@@ -33,6 +34,9 @@ typedef struct iso_vti_layout {
  * the array. ISO_ERR_IO: truncated or corrupt. */
 iso_status iso_vti_check_array(const char *path, const iso_vti_layout *layout, uint64_t *room,
                                iso_error *error);
+
+/* Whether `count` boxes, six numbers each (first and last on every axis), cover a box. */
+bool iso_vti_covered(const int box[6], const int *boxes, size_t count);
 
 /* Checks that parsing the XML up to the appended data takes less than 50 MB and little time. ISO_ERR_FORMAT,
  * ISO_ERR_IO. */

@@ -1,7 +1,9 @@
-# Rectilinear grids of legacy .vtk: with even steps the voxels as they are, else resampled to the smallest step, as linear
+# Rectilinear grids of legacy .vtk and of .vtr: with even steps the voxels as they are, else resampled to the smallest step, as linear
 # interpolation has them; unstructured grids are refused with what resamples them.
 python3 - <<'P'
+import base64
 import struct
+import zlib
 from check import *
 value = lambda x, y, z: 100 - 3 * (x - 4) ** 2 - 2 * (y - 3) ** 2 - 4 * (z - 5) ** 2
 even = ([0.5 + i for i in range(8)], [-1 + 0.75 * i for i in range(11)], [1 + 2.0 * i for i in range(5)])
@@ -57,8 +59,50 @@ middles = [[(a + b) / 2 for a, b in zip(x, x[1:])] for x in uneven]
 nrrd("uneven_cells.nrrd", resampled(middles), between(middles))
 vtk("uneven_cells.vtk", uneven, cells=True)
 vtk("falling.vtk", (uneven[0][::-1], *uneven[1:]))
-vtk("vast.vtk", ([0, 1e-9] + uneven[0][1:], *uneven[1:]))
-vtk("large.vtk", [[0, 1e-3] + uneven[0][1:]] * 3)
+vtk("vast.vtk", ([0, 1e-9, 2e-9, 3e-9, 1e9, 2e9], *uneven[1:]))
+vtk("large.vtk", [[i * 1e-3 for i in range(9)] + uneven[0][1:]] * 3)
+vtk("sliver.vtk", ([0.5, 0.500001] + even[0][1:], *even[1:]))
+noise = [struct.unpack("f", struct.pack("f", 7000 + 0.1 * i))[0] for i in range(8)]
+vtk("noise.vtk", (noise, *even[1:]), binary=True, of=lambda x, y, z: value(0.5 + round((x - 7000) * 10), y, z))
+
+def vtr(name, axes, how="ascii", cells=False, order="Little"):
+    """how: ascii, binary (base64), raw or zlib (appended), or packed (zlib in base64)."""
+    middles = [[(a + b) / 2 for a, b in zip(x, x[1:])] for x in axes] if cells else axes
+    values = [float(value(x, y, z)) for z in middles[2] for y in middles[1] for x in middles[0]]
+    sign, appended = "<" if order == "Little" else ">", b""
+    compress = how in ("zlib", "packed")
+    def array(name, code, numbers):
+        nonlocal appended
+        data = struct.pack("%s%d%s" % (sign, len(numbers), code), *numbers)
+        if compress:
+            blocks = [data[i:i + 1000] for i in range(0, len(data), 1000)]
+            packed = [zlib.compress(b) for b in blocks]
+            head = struct.pack("%s%dI" % (sign, 3 + len(blocks)), len(blocks), 1000, len(data) % 1000, *map(len, packed))
+            text = base64.b64encode(head) + base64.b64encode(b"".join(packed))
+            data = head + b"".join(packed)
+        else:
+            data = struct.pack(sign + "I", len(data)) + data
+            text = base64.b64encode(data)
+        tag = '<DataArray type="Float%d" Name="%s" ' % (struct.calcsize(code) * 8, name)
+        if how in ("raw", "zlib"):
+            tag += 'format="appended" offset="%d"/>' % len(appended)
+            appended += data
+            return tag
+        return tag + 'format="%s">%s</DataArray>' % (("ascii", " ".join(map(repr, numbers))) if how == "ascii" else ("binary", text.decode()))
+    box = "3 %d 0 %d -2 %d" % (len(axes[0]) + 2, len(axes[1]) - 1, len(axes[2]) - 3)
+    of = "Cell" if cells else "Point"
+    data = ('<?xml version="1.0"?><VTKFile type="RectilinearGrid" version="0.1" byte_order="%sEndian"%s><RectilinearGrid WholeExtent="%s">'
+            '<Piece Extent="%s"><%sData Scalars="v">%s</%sData><Coordinates>%s</Coordinates></Piece></RectilinearGrid>' % (
+                order, ' compressor="vtkZLibDataCompressor"' if compress else "", box, box, of, array("v", "f", values), of,
+                "".join(array("c%d" % i, "d", x) for i, x in enumerate(axes)))).encode()
+    if appended:
+        data += b'<AppendedData encoding="raw">_' + appended + b"</AppendedData>"
+    open("in/" + name, "wb").write(data + b"</VTKFile>")
+
+for how in ("ascii", "binary", "raw", "zlib", "packed"):
+    vtr("even_%s.vtr" % how, even, how)
+    vtr("uneven_%s.vtr" % how, uneven, how, order="Big")
+vtr("even_cells.vtr", even, "raw", cells=True)
 P
 same() { # REFERENCE FILE [OPTION..]
     isorender "in/$1" a.png --isovalue 50.5 --resolution 90x90 --azimuth 30 --elevation 20 --quiet --json=a.json
@@ -72,6 +116,18 @@ expect(max(abs(p - q) for p, q in zip(a["bounds_world"], b["bounds_world"])) < 1
 }
 for file in text binary double; do same even.nrrd $file.vtk; done
 same cells.nrrd cells.vtk
+same cells.nrrd even_cells.vtr
+for how in ascii binary raw zlib packed; do
+    same even.nrrd even_$how.vtr
+    same uneven.nrrd uneven_$how.vtr
+done
+cp in/even_raw.vtr in/no_extension
+same even.nrrd no_extension
+# a sliver of a cell does not make the volume a million times as large; the rounding of floats is no unevenness
+isorender in/sliver.vtk --info 2>&1 | grep -q 'resampled from 9 x 11 x 5 voxels to the smallest or median step on each axis'
+isorender in/sliver.vtk a.png --isovalue 50.5 --resolution 40x40 --quiet --json=a.json
+python3 -c 'from check import *; expect(report("a.json")["volume"]["dims"] == [8, 11, 5], report("a.json")["volume"])'
+! isorender in/noise.vtk --info 2>&1 | grep -q 'resampled' || false
 for file in uneven uneven_binary; do same uneven.nrrd $file.vtk; done
 for threads in 1 3; do same uneven.nrrd uneven.vtk --threads $threads; done
 isorender in/uneven.nrrd a.png --isovalue 50.5 --resolution 90x90 --chunk-size 16 --quiet
@@ -84,8 +140,16 @@ isorender in/uneven.vtk --info 2>&1 | grep -q 'resampled from 7 x 11 x 7 voxels 
 ! isorender in/text.vtk --info 2>&1 | grep -q 'resampled' || false
 
 isorender_refuses 3 'in/falling.vtk: its coordinates on axis 0 do not rise' in/falling.vtk
-isorender_refuses 3 'in/vast.vtk: its steps on axis 0, of 1e-09 to 2, are too uneven' in/vast.vtk
+isorender_refuses 3 'in/vast.vtk: its steps on axis 0, from 1e-09 on, are too uneven' in/vast.vtk
 isorender_refuses 5 'in/large.vtk: needs .* to read' in/large.vtk
+for how in raw binary zlib ascii; do
+    head -c -700 in/even_$how.vtr >in/cut.vtr
+    isorender_refuses 3 'in/cut.vtr: ' in/cut.vtr
+done
+sed 's/ZLib/LZ4/' in/even_zlib.vtr >in/lz4.vtr
+isorender_refuses 3 'in/lz4.vtr: compressed by vtkLZ4DataCompressor: only zlib is supported' in/lz4.vtr
+sed 's/<Piece Extent="3 /<Piece Extent="4 /' in/even_raw.vtr >in/pieces.vtr
+isorender_refuses 3 'in/pieces.vtr: is in several pieces: save it in one' in/pieces.vtr
 sed 's/X_COORDINATES 8/X_COORDINATES 7/' in/text.vtk >in/few.vtk
 isorender_refuses 3 'in/few.vtk: not a readable VTK file' in/few.vtk
 sed 's/X_COORDINATES 8/X_COORDINATES 2000000000/' in/text.vtk >in/many.vtk
@@ -93,6 +157,14 @@ isorender_refuses 3 'in/many.vtk: truncated: the file ends in its coordinates' i
 head -c 150 in/double.vtk >in/cut.vtk
 isorender_refuses 3 'in/cut.vtk: truncated: the file ends in its coordinates' in/cut.vtk
 printf '# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 0 float\n' >in/cells_of_any_kind.vtk
-isorender_refuses 3 'in/cells_of_any_kind.vtk: holds a UNSTRUCTURED_GRID, not an image: resample it in ParaView' in/cells_of_any_kind.vtk
+isorender_refuses 3 'in/cells_of_any_kind.vtk: holds a UNSTRUCTURED_GRID, not an image: python3 -c .import vtk; r = vtk.vtkGenericDataObjectReader()' in/cells_of_any_kind.vtk
 printf '<VTKFile type="UnstructuredGrid" version="0.1"><UnstructuredGrid/></VTKFile>' >in/a.vtu
-isorender_refuses 3 'in/a.vtu: holds a UnstructuredGrid, not an image: resample it in ParaView (Filters, Resample To Image) or VTK' in/a.vtu
+isorender_refuses 3 'in/a.vtu: holds a UnstructuredGrid, not an image: python3 -c .import vtk; r = vtk.vtkXMLGenericDataObjectReader()' in/a.vtu
+printf 'CDF\2\0\0\0\1' >in/mesh.exo
+printf 'CDF\1\0\0\0\1' >in/old.nc
+echo '$MeshFormat' >in/mesh.msh
+printf 'ASTM-E57\1' >in/scan.e57
+isorender_refuses 3 'in/mesh.exo: holds a grid of Exodus, not an image: python3 -c .import vtk; r = vtk.vtkExodusIIReader()' in/mesh.exo
+isorender_refuses 3 'in/mesh.msh: holds a grid of Gmsh, not an image: meshio convert' in/mesh.msh
+isorender_refuses 3 'in/old.nc: is NetCDF of version 3: nccopy -k netCDF-4' in/old.nc
+isorender_refuses 3 'in/scan.e57: is a scan in E57, which is not read: pdal translate' in/scan.e57

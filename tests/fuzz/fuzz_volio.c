@@ -15,8 +15,9 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count);
 
-static const char *const suffixes[] = {"vti", "vtk", "nrrd", "mha", "nii", "nii.gz", "vdb", "dcm", "tif",
-                                       "raw", "mrc", "mgz",  "mif", "mih", "cube",   "dx",  "vasp"};
+static const char *const suffixes[] = {"vti",  "vtk", "nrrd", "mha",  "nii", "nii.gz", "vdb",  "dcm",
+                                       "tif",  "raw", "mrc",  "mgz",  "mif", "mih",    "cube", "dx",
+                                       "vasp", "npz", "vtr",  "pvti", "pvd", "vtm",    "xdmf", "am"};
 enum { RAW = 9, SUFFIXES = sizeof suffixes / sizeof *suffixes };
 
 static const char *write_file(int which, const uint8_t *bytes, size_t count) {

@@ -1,8 +1,11 @@
 """Small valid files of every format that the programs read, as the beginning of damaged ones."""
+import base64
 import gzip
+import io
 import os
 import struct
 import subprocess
+import zipfile
 import zlib
 
 VOXELS = [max(0, 255 - 12 * ((x - 5) ** 2 + (y - 5) ** 2 + (z - 4) ** 2)) for z in range(9) for y in range(11) for x in range(10)]
@@ -190,6 +193,96 @@ def field_files():
                          b"object 3 class array type double rank 0 items 990 data follows\n" + numbers}
 
 
+def npy(values, shape, fortran=False):
+    head = b"{'descr': '<f4', 'fortran_order': %s, 'shape': %s, }" % (str(fortran).encode(), str(shape).encode())
+    head += b" " * (-(11 + len(head)) % 64) + b"\n"
+    return b"\x93NUMPY\1\0" + struct.pack("<H", len(head)) + head + struct.pack("<%df" % len(values), *values)
+
+
+def npz(how):
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", how) as archive:
+        for name, data in (("a", npy([1, 2], (2,))), ("v", npy(VOXELS, DIMS[::-1])), ("f", npy(VOXELS, DIMS[::-1], True))):
+            with archive.open(zipfile.ZipInfo(name + ".npy"), "w", force_zip64=True) as member:
+                member.write(data)
+    return file.getvalue()
+
+
+def vtk_xml(kind, inside, more=""):
+    return ('<VTKFile type="%s" version="0.1" byte_order="LittleEndian"%s>%s</VTKFile>' % (kind, more, inside)).encode()
+
+
+def vtr(how):
+    """A rectilinear grid with an uneven axis: text, zlib in base64, or appended."""
+    arrays = [("v", [float(v) for v in VOXELS])] + [(axis, [k + (k > 5) * 0.5 for k in range(n)]) for axis, n in zip("xyz", DIMS)]
+    tags, appended = [], b""
+    for name, values in arrays:
+        data = struct.pack("<%df" % len(values), *values)
+        packed = zlib.compress(data)
+        text, body = "", ' format="ascii">%s</DataArray>' % " ".join(map(str, values))
+        if how == "zlib":
+            head = struct.pack("<4I", 1, len(data), 0, len(packed))
+            body = ' format="binary">%s</DataArray>' % (base64.b64encode(head) + base64.b64encode(packed)).decode()
+        if how == "raw":
+            body = ' format="appended" offset="%d"/>' % len(appended)
+            appended += struct.pack("<I", len(data)) + data
+        tags.append('<DataArray type="Float32" Name="%s"' % name + body)
+    box = "0 %d 0 %d 0 %d" % tuple(n - 1 for n in DIMS)
+    text = vtk_xml("RectilinearGrid", '<RectilinearGrid WholeExtent="%s"><Piece Extent="%s"><PointData Scalars="v">%s</PointData><Coordinates>%s'
+                   "</Coordinates></Piece></RectilinearGrid>%s" % (box, box, tags[0], "".join(tags[1:]), "<AppendedData/>" if appended else ""),
+                   ' compressor="vtkZLibDataCompressor"' if how == "zlib" else "")
+    return text.replace(b"<AppendedData/>", b'<AppendedData encoding="raw">_' + appended + b"</AppendedData>")
+
+
+def amira(kind):
+    head = "# AmiraMesh %s\ndefine Lattice 10 11 9\nParameters { BoundingBox 0 4.5 0 5 0 12,\n CoordType \"uniform\" }\n" \
+           "Lattice { byte L } @1%s\nLattice { short D } @2%s\n@1\n"
+    shorts = struct.pack("<990h", *VOXELS)
+    runs = b"".join(bytes((1, v)) for v in VOXELS[:400]) + b"\x7f\0" * 4 + b"\x01\0" * 82
+    if kind == "text":
+        return (head % ("3D ASCII 2.0", "", "")).encode() + (" ".join(map(str, VOXELS)) + "\n@2\n" + " ".join(map(str, VOXELS)) + "\n").encode()
+    if kind == "zip":
+        packed = zlib.compress(shorts)
+        return (head % ("BINARY-LITTLE-ENDIAN 2.1", "(HxByteRLE,%d)" % len(runs), "(HxZip,%d)" % len(packed))).encode() + runs + b"\n@2\n" + packed + b"\n"
+    return (head % ("BINARY-LITTLE-ENDIAN 2.1", "", "")).encode() + bytes(VOXELS) + b"\n@2\n" + shorts + b"\n"
+
+
+def xdmf(topology, geometry, form, text):
+    return ('<?xml version="1.0"?><Xdmf Version="2.0"><Domain><Grid Name="g"><Topology TopologyType="%s" Dimensions="9 11 10"/><Geometry '
+            'GeometryType="%s</Geometry><Attribute Name="v"><DataItem Dimensions="9 11 10" NumberType="UChar" Format="%s">%s</DataItem>'
+            "</Attribute></Grid></Domain></Xdmf>" % (topology, geometry, form, text)).encode()
+
+
+def format_files():
+    """Archives of NumPy, VTK's other files, Amira's and XDMF's: those of one file, which the fuzzer has as well."""
+    yield "npz", {"a.npz": npz(zipfile.ZIP_STORED)}
+    yield "npz-deflated", {"a.npz": npz(zipfile.ZIP_DEFLATED)}
+    for how in ("text", "zlib", "raw"):
+        yield "vtr-" + how, {"a.vtr": vtr(how)}
+    for kind in ("text", "zip", "plain"):
+        yield "am-" + kind, {"a.am": amira(kind)}
+    items = lambda *rows: "".join('<DataItem Dimensions="%d" Format="XML">%s</DataItem>' % (len(row), " ".join(map(str, row))) for row in rows)
+    numbers = " ".join(map(str, VOXELS))
+    yield "xdmf-even", {"a.xdmf": xdmf("3DCoRectMesh", 'ORIGIN_DXDYDZ">' + items((1, 2, 3), (1.5, 0.5, 0.5)), "XML", numbers)}
+    uneven = [[k + (k > 5) * 0.5 for k in range(n)] for n in DIMS]
+    yield "xdmf-uneven", {"a.xdmf": xdmf("3DRectMesh", 'VXVYVZ">' + items(*uneven), "XML", numbers)}
+
+
+def parts_files():
+    """The same, of several files."""
+    box = "0 %d 0 %d 0 %d" % tuple(n - 1 for n in DIMS)
+    image = vtk_xml("ImageData", '<ImageData WholeExtent="%s"><Piece Extent="%s"><PointData Scalars="v"><DataArray type="UInt8" Name="v" format="ascii">%s '
+                    "</DataArray></PointData></Piece></ImageData>" % (box, box, " ".join(map(str, VOXELS))))
+    yield "pvti", {"a.pvti": vtk_xml("PImageData", '<PImageData WholeExtent="%s" Spacing="1 1 1.5"><PPointData Scalars="v"><PDataArray type="UInt8" '
+                                     'Name="v"/></PPointData><Piece Extent="%s" Source="b.vti"/></PImageData>' % (box, box)), "b.vti": image}
+    yield "pvd", {"a.pvd": vtk_xml("Collection", '<Collection><DataSet timestep="0" file="b.vti"/><DataSet timestep="1" file="b.vti"/></Collection>'),
+                  "b.vti": image}
+    yield "vtm", {"a.vtm": vtk_xml("vtkMultiBlockDataSet", '<vtkMultiBlockDataSet><DataSet index="0" name="b" file="b.vti"/></vtkMultiBlockDataSet>'),
+                  "b.vti": image}
+    yield "xdmf-raw", {"a.xdmf": xdmf("3DCoRectMesh", 'ORIGIN_DXDYDZ"><DataItem Dimensions="3" Format="XML">1 2 3</DataItem><DataItem Dimensions="3" '
+                                      'Format="XML">1 1 1</DataItem>', "Binary", "b.raw"), "b.raw": bytes(VOXELS)}
+
+
 def volume_seeds():
     voxels = bytes(VOXELS)
     nrrd = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 10 11 9\nspace: left-posterior-superior\n" \
@@ -212,6 +305,8 @@ def volume_seeds():
     yield "tiff-folder", {"a/%d.tif" % z: tiff_file([z]) for z in range(9)}
     yield "png-folder", {"a/%d.png" % z: png_slice(z) for z in range(9)}
     yield from field_files()
+    yield from format_files()
+    yield from parts_files()
     for label, files in zarr_files():
         yield "zarr-" + label, {"a.zarr/" + name: data for name, data in files.items()}
     yield "dicom", {"a.dcm": dicom_file(0, 9)}

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "io/common/scalar_load.h"
+#include "grids/volume/scalar_load.h"
 
 static const int type_size[] = {1, 1, 2, 2, 4, 4, 4, 8};
 

@@ -79,6 +79,15 @@ iso_status iso_reading_load(iso_reading *reading, iso_buffer *text, size_t *byte
     return ISO_OK;
 }
 
+iso_status iso_reading_unzip(iso_reading *reading, const iso_zip_entry *entry, iso_buffer *buffer,
+                             const unsigned char **bytes, iso_error *error) {
+    *bytes = entry->data;
+    if (!entry->deflated) return ISO_OK;
+    ISO_TRY(iso_reading_reserve(reading, buffer, (size_t)entry->size + 1, 1, 0, error));
+    *bytes = buffer->data;
+    return iso_zip_unpack(reading->path, entry, buffer->data, error);
+}
+
 /* ---- the report */
 
 void iso_reading_note(iso_reading *reading, const char *format, ...) {

@@ -6,6 +6,7 @@
 #include "base/file_types.h"
 #include "base/lines.h"
 #include "base/memory.h"
+#include "base/zip.h"
 #include "io/common/read_opts.h"
 
 /* A file that is being read. */
@@ -35,6 +36,11 @@ void iso_reading_free(iso_reading *reading, iso_buffer *buffer);
 /* Reads the whole file into `text`, followed by a zero that *bytes does not count. ISO_ERR_IO, ISO_ERR_LIMIT,
  * ISO_ERR_NOMEM. */
 iso_status iso_reading_load(iso_reading *reading, iso_buffer *text, size_t *bytes, iso_error *error);
+
+/* The bytes of a file in a ZIP archive: there, or unpacked into `buffer`. Errors: those of iso_zip_unpack;
+ * ISO_ERR_LIMIT. */
+iso_status iso_reading_unzip(iso_reading *reading, const iso_zip_entry *entry, iso_buffer *buffer,
+                             const unsigned char **bytes, iso_error *error);
 
 /* Adds a line to the report's notes, or drops it when there are too many. Arguments may contain any bytes. */
 #if defined(__GNUC__)

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "io/common/scalar_load.h"
+#include "grids/volume/scalar_load.h"
 #include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/las_blocks.h"
 #include "io/polydata/records.h"
@@ -76,7 +76,9 @@ static iso_status read_header(las *l, iso_error *error) {
 }
 
 static iso_status fail_compressed(const las *l, iso_error *error) {
-    return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: compressed (LAZ), which is not read: convert it to LAS",
+    return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                    "%s: compressed (LAZ), which is not read: pdal translate scan.laz scan.las, or laszip, "
+                    "converts it",
                     path_of(l));
 }
 

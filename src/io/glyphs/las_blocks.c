@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/common/scalar_load.h"
+#include "grids/volume/scalar_load.h"
 
 enum { HEADER = 54 };
 

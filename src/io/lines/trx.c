@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/common/scalar_load.h"
-#include "io/common/zip.h"
+#include "base/zip.h"
+#include "grids/volume/scalar_load.h"
 #include "io/lines/lines_format.h"
 #include "io/polydata/polydata.h"
 
@@ -89,7 +89,7 @@ static const trx_array *find(const trx *t, int what) {
 /* Writes the numbers of an array as floats. */
 static iso_status load(trx *t, const trx_array *a, float *to, iso_error *error) {
     const unsigned char *bytes;
-    ISO_TRY(iso_zip_unpack(t->reading, &a->entry, &t->unpacked, &bytes, error));
+    ISO_TRY(iso_reading_unzip(t->reading, &a->entry, &t->unpacked, &bytes, error));
     const iso_scalar_source source = {
         .data = bytes, .scalar = a->scalar, .components = 1, .swap = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__};
     iso_scalar_convert(&source, (size_t)(a->rows * a->components), ISO_FLOAT32, to);
@@ -117,7 +117,7 @@ static iso_status take_offsets(trx *t, iso_error *error) {
     uint64_t vertex = 0;
     if (!a || a->components != 1 || iso_scalar_size(a->scalar) < 4 || a->scalar == ISO_SCALAR_FLOAT)
         return bad(t, "it has no array of offsets", error);
-    ISO_TRY(iso_zip_unpack(t->reading, &a->entry, &t->unpacked, &bytes, error));
+    ISO_TRY(iso_reading_unzip(t->reading, &a->entry, &t->unpacked, &bytes, error));
     for (uint64_t i = 1; i <= a->rows; i++) {
         const size_t each = iso_scalar_size(a->scalar);
         double end = (double)t->data.point_count;
@@ -157,9 +157,9 @@ static iso_status read_trx(trx *t, iso_lines *lines, iso_error *error) {
     size_t bytes;
     bool more;
     ISO_TRY(iso_reading_load(t->reading, &t->text, &bytes, error));
-    ISO_TRY(iso_zip_open(t->reading, t->text.data, bytes, &zip, error));
+    ISO_TRY(iso_zip_open(t->reading->path, t->text.data, bytes, &zip, error));
     for (;;) {
-        ISO_TRY(iso_zip_next(t->reading, &zip, &entry, &more, error));
+        ISO_TRY(iso_zip_next(t->reading->path, &zip, &entry, &more, error));
         if (!more) break;
         ISO_TRY(add_entry(t, &entry, error));
     }

@@ -12,7 +12,7 @@
 
 #include "base/file.h"
 #include "base/geometry.h"
-#include "io/common/scalar_load.h"
+#include "grids/volume/scalar_load.h"
 #include "io/mesh/mesh_format.h"
 
 enum { FOOTER = 4096, BLOCK = 1024 };

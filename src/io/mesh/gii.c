@@ -9,8 +9,8 @@
 #include <string.h>
 #include <zlib.h>
 
-#include "io/common/scalar_load.h"
-#include "io/common/xml.h"
+#include "base/xml.h"
+#include "grids/volume/scalar_load.h"
 #include "io/mesh/mesh_format.h"
 
 typedef struct gii_array {

@@ -7,7 +7,7 @@
 
 #include "base/decimal_point.h"
 #include "base/file.h"
-#include "io/common/scalar_load.h"
+#include "grids/volume/scalar_load.h"
 #include "io/mesh/mesh_format.h"
 
 iso_status iso_vertex_values_reserve(iso_vertex_values *values, size_t count, bool colors, iso_error *error) {

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "io/common/scalar_load.h"
+#include "grids/volume/scalar_load.h"
 
 /* Points that are decoded at a time: their numbers stay in the first level of the cache. */
 enum { BLOCK = 512 };

@@ -10,8 +10,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "grids/volume/scalar_load.h"
 #include "io/common/rows.h"
-#include "io/common/scalar_load.h"
 #include "io/polydata/faces.h"
 
 enum { WORD = 128 };

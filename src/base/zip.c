@@ -1,6 +1,7 @@
 /* zip: directory and unpacking. */
-#include "io/common/zip.h"
+#include "base/zip.h"
 
+#include <limits.h>
 #include <string.h>
 #include <zlib.h>
 
@@ -12,8 +13,8 @@ static uint64_t number_at(const unsigned char *at, int bytes) {
     return number;
 }
 
-static iso_status damaged(const iso_reading *reading, const char *what, iso_error *error) {
-    return iso_fail(error, ISO_ERR_IO, "%s: a damaged ZIP archive: %s", reading->path, what);
+static iso_status damaged(const char *path, const char *what, iso_error *error) {
+    return iso_fail(error, ISO_ERR_IO, "%s: a damaged ZIP archive: %s", path, what);
 }
 
 /* Whether `length` bytes are at a place, beginning with a signature. */
@@ -21,22 +22,21 @@ static bool is_at(const iso_zip *zip, uint64_t at, uint64_t length, const char *
     return at <= zip->count && length <= zip->count - at && memcmp(zip->bytes + at, signature, 4) == 0;
 }
 
-iso_status iso_zip_open(const iso_reading *reading, const void *bytes, size_t count, iso_zip *zip,
-                        iso_error *error) {
+iso_status iso_zip_open(const char *path, const void *bytes, size_t count, iso_zip *zip, iso_error *error) {
     enum { END = 22, LONGEST_COMMENT = 65535, LOCATOR = 20, END_64 = 56 };
     *zip = (iso_zip){.bytes = bytes, .count = count};
     if (!is_at(zip, 0, 4, "PK\3\4") && !is_at(zip, 0, 4, "PK\5\6"))
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a ZIP archive", reading->path);
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not a ZIP archive", path);
     uint64_t at = count < END ? 0 : count - END;
     const uint64_t first = at > LONGEST_COMMENT ? at - LONGEST_COMMENT : 0;
     while (at > first && !is_at(zip, at, END, "PK\5\6")) at--;
     if (!is_at(zip, at, END, "PK\5\6"))
-        return iso_fail(error, ISO_ERR_IO, "%s: truncated: a ZIP archive without a directory", reading->path);
+        return iso_fail(error, ISO_ERR_IO, "%s: truncated: a ZIP archive without a directory", path);
     zip->entries = number_at(zip->bytes + at + 10, 2);
     zip->at = number_at(zip->bytes + at + 16, 4);
     if (at < LOCATOR || !is_at(zip, at - LOCATOR, LOCATOR, "PK\6\7")) return ISO_OK;
     const uint64_t end = number_at(zip->bytes + at - LOCATOR + 8, 8);
-    if (!is_at(zip, end, END_64, "PK\6\6")) return damaged(reading, "its 64-bit directory", error);
+    if (!is_at(zip, end, END_64, "PK\6\6")) return damaged(path, "its 64-bit directory", error);
     zip->entries = number_at(zip->bytes + end + 32, 8);
     zip->at = number_at(zip->bytes + end + 48, 8);
     return ISO_OK;
@@ -61,30 +61,29 @@ static void take_long_numbers(const unsigned char *extra, uint64_t length, uint6
     }
 }
 
-iso_status iso_zip_next(const iso_reading *reading, iso_zip *zip, iso_zip_entry *entry, bool *more,
-                        iso_error *error) {
+iso_status iso_zip_next(const char *path, iso_zip *zip, iso_zip_entry *entry, bool *more, iso_error *error) {
     enum { HEADER = 46, LOCAL = 30 };
     *more = zip->entries > 0;
     if (!*more) return ISO_OK;
-    if (!is_at(zip, zip->at, HEADER, "PK\1\2")) return damaged(reading, "its directory", error);
+    if (!is_at(zip, zip->at, HEADER, "PK\1\2")) return damaged(path, "its directory", error);
     const unsigned char *head = zip->bytes + zip->at;
     const uint64_t name = number_at(head + 28, 2), extra = number_at(head + 30, 2),
                    method = number_at(head + 10, 2), whole = HEADER + name + extra + number_at(head + 32, 2);
-    if (whole > zip->count - zip->at) return damaged(reading, "its directory", error);
+    if (whole > zip->count - zip->at) return damaged(path, "its directory", error);
     uint64_t packed = number_at(head + 20, 4), size = number_at(head + 24, 4),
              local = number_at(head + 42, 4);
     take_long_numbers(head + HEADER + name, extra, (uint64_t *[]){&size, &packed, &local});
-    if (!is_at(zip, local, LOCAL, "PK\3\4")) return damaged(reading, "a file is not where it says", error);
+    if (!is_at(zip, local, LOCAL, "PK\3\4")) return damaged(path, "a file is not where it says", error);
     const unsigned char *at = zip->bytes + local;
     const uint64_t skipped = LOCAL + number_at(at + 26, 2) + number_at(at + 28, 2), left = zip->count - local;
-    if (skipped > left || packed > left - skipped) return damaged(reading, "a file is cut off", error);
+    if (skipped > left || packed > left - skipped) return damaged(path, "a file is cut off", error);
     if ((method != 0 && method != 8) || number_at(head + 8, 2) & 1)
         return iso_fail(error, ISO_ERR_UNSUPPORTED,
                         "%s: a file in it is encrypted, or packed by a method that "
                         "is not read (zip -0 and zip -6 make others)",
-                        reading->path);
+                        path);
     if (method == 0 ? packed != size : size / 1032 > packed + 1)
-        return damaged(reading, "the size of a file is not possible", error);
+        return damaged(path, "the size of a file is not possible", error);
     *entry =
         (iso_zip_entry){(const char *)head + HEADER, (size_t)name, at + skipped, packed, size, method == 8};
     zip->at += whole;
@@ -92,23 +91,21 @@ iso_status iso_zip_next(const iso_reading *reading, iso_zip *zip, iso_zip_entry 
     return ISO_OK;
 }
 
-iso_status iso_zip_unpack(iso_reading *reading, const iso_zip_entry *entry, iso_buffer *buffer,
-                          const unsigned char **bytes, iso_error *error) {
-    *bytes = entry->data;
-    if (!entry->deflated) return ISO_OK;
-    if (entry->size > UINT32_MAX || entry->packed > UINT32_MAX)
+iso_status iso_zip_unpack(const char *path, const iso_zip_entry *entry, void *bytes, iso_error *error) {
+    if (!entry->deflated) {
+        memcpy(bytes, entry->data, (size_t)entry->size);
+        return ISO_OK;
+    }
+    if (entry->size >= UINT_MAX || entry->packed > UINT_MAX)
         return iso_fail(error, ISO_ERR_LIMIT, "%s: a file in it is larger than 4 GB: store it (zip -0)",
-                        reading->path);
-    ISO_TRY(iso_reading_reserve(reading, buffer, (size_t)entry->size + 1, 1, 0, error));
+                        path);
     z_stream z = {.next_in = (z_const Bytef *)(uintptr_t)entry->data,
                   .avail_in = (uInt)entry->packed,
-                  .next_out = buffer->data,
+                  .next_out = bytes,
                   .avail_out = (uInt)entry->size + 1};
-    if (inflateInit2(&z, -15) != Z_OK) return iso_fail_memory(error, reading->path);
+    if (inflateInit2(&z, -15) != Z_OK) return iso_fail_memory(error, path);
     const int result = inflate(&z, Z_FINISH);
     const uint64_t got = z.total_out;
     inflateEnd(&z);
-    *bytes = buffer->data;
-    return result == Z_STREAM_END && got == entry->size ? ISO_OK
-                                                        : damaged(reading, "a compressed file", error);
+    return result == Z_STREAM_END && got == entry->size ? ISO_OK : damaged(path, "a compressed file", error);
 }

@@ -1,7 +1,7 @@
 /* xml: the tags of XML as formats of arrays use it, and bytes in base64. Markup is read as it comes:
- * nothing is allocated, entities stay as they are. Internal to src/io. */
-#ifndef ISO_IO_COMMON_XML_H
-#define ISO_IO_COMMON_XML_H
+ * nothing is allocated, entities stay as they are. */
+#ifndef ISO_BASE_XML_H
+#define ISO_BASE_XML_H
 
 #include <stdbool.h>
 #include <stdint.h>

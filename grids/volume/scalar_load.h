@@ -1,6 +1,6 @@
-/* scalar_load: loads numbers of any type in either byte order. Internal to src/io. */
-#ifndef ISO_IO_COMMON_SCALAR_LOAD_H
-#define ISO_IO_COMMON_SCALAR_LOAD_H
+/* scalar_load: loads numbers of any type in either byte order. */
+#ifndef ISO_GRIDS_VOLUME_SCALAR_LOAD_H
+#define ISO_GRIDS_VOLUME_SCALAR_LOAD_H
 
 #include <string.h>
 

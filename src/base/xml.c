@@ -1,5 +1,5 @@
 /* xml: tags, attributes, base64. */
-#include "io/common/xml.h"
+#include "base/xml.h"
 
 #include <ctype.h>
 #include <string.h>
