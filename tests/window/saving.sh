@@ -25,7 +25,7 @@ save_as() {
     enter "$1"
 }
 export_as() {
-    until_ "the browser" opens_browser 181 526
+    until_ "the browser" opens_browser 181 582
     enter "$1"
 }
 is_stl() { # whole: as long as its number of triangles says
@@ -140,7 +140,7 @@ key Escape
 key F12
 until_ "a picture beside it" test -s "$work/box-2-1.png"
 rm box-2-1.png
-until_ "the browser" opens_browser 249 414
+until_ "the browser" opens_browser 249 470
 enter portrait.png
 until_ "portrait.png" test -s portrait.png
 

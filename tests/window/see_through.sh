@@ -86,7 +86,7 @@ draws both 0
 key 2
 sculpting() {
     whole_window sculpting
-    look color sculpting.png 150 208 150 8,560,240,582 50
+    look color sculpting.png 150 208 150 8,616,240,638 50
 }
 until_ "a field" sculpting
 until_ "its journal" journal_is_there

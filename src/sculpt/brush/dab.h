@@ -37,6 +37,7 @@ typedef struct iso_dab {
     double centre[3], from[3]; /* index coordinates; `from`: the other end of a capsule, or where a drag
                                   started */
     double axis[3][3];         /* unit vectors; [2] is the surface's normal */
+    double plane;              /* height, along that normal, of a tool's plane above the centre, voxels */
 } iso_dab;
 
 /* A touch with all its mirror images; the same for all bricks. */

@@ -9,17 +9,19 @@
 /* A dab in floats, with the centre relative to a brick's first voxel. `segment` goes from the centre to
  * `from`. */
 typedef struct iso_local_dab {
-    float centre[3], segment[3], axis[3][3];
+    float centre[3], segment[3], axis[3][3], plane;
 } iso_local_dab;
 
 static void make_local_dabs(const iso_dabs *dabs, const int brick[3], iso_local_dab local[ISO_DAB_MAX]) {
-    for (int i = 0; i < dabs->count; i++)
+    for (int i = 0; i < dabs->count; i++) {
+        const iso_dab *dab = &dabs->dab[i];
+        local[i].plane = (float)dab->plane + dabs->depth;
         for (int k = 0; k < 3; k++) {
-            const iso_dab *dab = &dabs->dab[i];
             local[i].centre[k] = (float)(dab->centre[k] - ISO_BRICK * (double)brick[k]);
             local[i].segment[k] = (float)(dab->from[k] - dab->centre[k]);
             for (int a = 0; a < 3; a++) local[i].axis[a][k] = (float)dab->axis[a][k];
         }
+    }
 }
 
 /* Returns the signed distance from a voxel to one stamp, in voxels of the field. Where the stamp stores no
@@ -165,7 +167,7 @@ ISO_INLINE vf distance_change(const iso_dabs *dabs, const iso_local_dab *dab, co
     const vf w = weight(dabs, length3(p->x, p->y, p->z));
     if (dabs->tool == ISO_TOOL_INFLATE) return v_set(0) - w;
     if (dabs->tool == ISO_TOOL_DEFLATE) return w;
-    const vf plane = clamped(dot(p, dab->axis[2]) - v_set(dabs->depth), dabs->band), zero = v_set(0);
+    const vf plane = clamped(dot(p, dab->axis[2]) - v_set(dab->plane), dabs->band), zero = v_set(0);
     const vf change = w * (plane - f);
     return dabs->tool == ISO_TOOL_FLATTEN  ? change
            : dabs->tool == ISO_TOOL_SCRAPE ? v_max(change, zero)

@@ -58,13 +58,12 @@ static bool fit_plane(const moments *m, double plane[3]) {
     return true;
 }
 
-static void move_to_plane(iso_dab *dab, const double plane[3]) {
+static void set_plane(iso_dab *dab, const double plane[3]) {
     const double length = sqrt(1 + plane[1] * plane[1] + plane[2] * plane[2]);
-    for (int k = 0; k < 3; k++) {
-        dab->centre[k] = snap(dab->centre[k] + plane[0] * dab->axis[2][k]);
-        const double normal = dab->axis[2][k] - plane[1] * dab->axis[0][k] - plane[2] * dab->axis[1][k];
-        dab->axis[2][k] = snap(normal / length);
-    }
+    dab->plane = snap(plane[0] / length);
+    for (int k = 0; k < 3; k++)
+        dab->axis[2][k] =
+            snap((dab->axis[2][k] - plane[1] * dab->axis[0][k] - plane[2] * dab->axis[1][k]) / length);
 }
 
 void iso_area_planes(const iso_hgrid *hgrid, iso_dabs *dabs) {
@@ -82,6 +81,6 @@ void iso_area_planes(const iso_hgrid *hgrid, iso_dabs *dabs) {
                 m.xx += p[0] * p[0], m.xy += p[0] * p[1], m.yy += p[1] * p[1];
                 m.xz += p[0] * p[2], m.yz += p[1] * p[2];
             }
-        if (m.n >= LEAST_FOUND && fit_plane(&m, plane)) move_to_plane(dab, plane);
+        if (m.n >= LEAST_FOUND && fit_plane(&m, plane)) set_plane(dab, plane);
     }
 }

@@ -7,10 +7,9 @@
 #include "grids/hgrid.h"
 #include "sculpt/brush/dab.h"
 
-/* Moves each dab along its normal to the plane that fits the surface best, by least squares, and makes
- * that plane's normal its own: heights above the dab are searched along its normal at 29 places within
- * 0.7 radii. Nothing beyond the radius is read. A dab around which the surface is found at fewer than 8
- * places stays as it is. */
+/* Sets each dab's plane and normal to those of the plane that fits the surface best, by least squares:
+ * heights above the dab are searched along its normal at 29 places within 0.7 radii. Nothing beyond the
+ * radius is read. A dab around which the surface is found at fewer than 8 places stays as it is. */
 void iso_area_planes(const iso_hgrid *grid, iso_dabs *dabs);
 
 #endif
