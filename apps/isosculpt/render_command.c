@@ -124,7 +124,7 @@ static void add_style(isosculpt_render_options *to, writer *w, const isosculpt_v
     static const char *const caps[] = {"none", "surface", "color", "slice"};
     const isosculpt_cut *cut = &viewport->cut;
     const iso_cap_style *cap = &cut->cap;
-    const isosculpt_light *light = &viewport->light;
+    const isosculpt_light light = isosculpt_viewport_light(viewport);
     for (int i = 0; i < cut->count; i++) add_text(to, w, "clip", cut->texts[i]);
     if (cut->count && cap->kind != ISO_CAP_NONE) {
         begin(to, w, "cap");
@@ -139,13 +139,12 @@ static void add_style(isosculpt_render_options *to, writer *w, const isosculpt_v
             add_numbers(to, w, "window", cut->window, 2);
     }
     add_colors(to, w, viewport);
-    if (!isosculpt_viewport_has_light(viewport)) return;
-    if (light->occlusion.ambient && light->occlusion.range > 0)
-        add_numbers(to, w, "occlusion", &light->occlusion.range, 1);
-    else if (light->occlusion.ambient)
+    if (light.occlusion.ambient && light.occlusion.range > 0)
+        add_numbers(to, w, "occlusion", &light.occlusion.range, 1);
+    else if (light.occlusion.ambient)
         add_flag(to, w, "occlusion");
-    if (light->occlusion.shadow) add_flag(to, w, "shadow");
-    if (light->outline > 0) add_numbers(to, w, "outline", &light->outline, 1);
+    if (light.occlusion.shadow) add_flag(to, w, "shadow");
+    if (light.outline > 0) add_numbers(to, w, "outline", &light.outline, 1);
 }
 
 bool isosculpt_render_options_make(const isosculpt_render_command *command, isosculpt_render_options *to) {

@@ -93,6 +93,12 @@ redrawn scene_opened
 for name in clip cap window opacity; do
     [ "$(option scene_opened $name)" = "$(option scene $name)" ] || fail "--$name of the scene is $(option scene_opened $name)"
 done
+
+# ---- what is opaque is lit beside a translucent surface, too
+key o
+skin_lit() { picture skin_lit && differ skin_lit scene_opened; }
+until_ "occlusion of the opaque surface" skin_lit
+redrawn skin_lit
 stop
 
 # ---- a plane through the middle is in the middle of the volume, not of the surface

@@ -246,8 +246,9 @@ static iso_status draw_fine_tile(isosculpt_viewport *viewport, iso_method method
 /* The part of the picture that a part's lines depend on. */
 static isosculpt_rectangle with_surroundings(const isosculpt_viewport *viewport, isosculpt_rectangle r,
                                              bool lit) {
-    const int reach = lit && viewport->light.outline > 0 ? iso_outline_reach(viewport->light.outline) : 0,
-              width = viewport->image.width, height = viewport->image.height;
+    const double outline = lit ? isosculpt_viewport_light(viewport).outline : 0;
+    const int reach = outline > 0 ? iso_outline_reach(outline) : 0, width = viewport->image.width,
+              height = viewport->image.height;
     return (isosculpt_rectangle){r.x0 > reach ? r.x0 - reach : 0, r.y0 > reach ? r.y0 - reach : 0,
                                  r.x1 < width - reach ? r.x1 + reach : width,
                                  r.y1 < height - reach ? r.y1 + reach : height};

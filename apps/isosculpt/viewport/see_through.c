@@ -30,10 +30,19 @@ bool isosculpt_viewport_is_cut(const isosculpt_viewport *viewport) {
     return viewport->cut.count > 0;
 }
 
+isosculpt_light isosculpt_viewport_light(const isosculpt_viewport *viewport) {
+    const isosculpt_see_through *s = &viewport->see_through;
+    isosculpt_light light = viewport->light;
+    if (!isosculpt_viewport_is_translucent(viewport)) return light;
+    light.outline = 0;
+    if (s->opacity < 1 && !(isosculpt_viewport_has_second(viewport) && s->second_opacity >= 1))
+        light.occlusion = (iso_occlusion_opts){.ambient = false};
+    return light;
+}
+
 bool isosculpt_viewport_has_light(const isosculpt_viewport *viewport) {
-    const isosculpt_light *light = &viewport->light;
-    return (light->occlusion.ambient || light->occlusion.shadow || light->outline > 0) &&
-           !isosculpt_viewport_is_translucent(viewport);
+    const isosculpt_light light = isosculpt_viewport_light(viewport);
+    return light.occlusion.ambient || light.occlusion.shadow || light.outline > 0;
 }
 
 iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport) {

@@ -36,6 +36,7 @@ iso_status isosculpt_shown_list(isosculpt_viewport *viewport, iso_method method,
     const isosculpt_cut *cut = &viewport->cut;
     const int count = isosculpt_viewport_has_second(viewport) ? ISOSCULPT_SURFACES : 1;
     const bool see_through = isosculpt_viewport_is_see_through(viewport);
+    const isosculpt_light light = isosculpt_viewport_light(viewport);
     *s = (isosculpt_shown){.surfaces = {viewport->surface, viewport->second},
                            .colors = {viewport->mode.material.color, how->second_color}};
     s->layered[0].translucency.opacity = see_through ? (float)how->opacity : 1;
@@ -61,9 +62,9 @@ iso_status isosculpt_shown_list(isosculpt_viewport *viewport, iso_method method,
                            .count = count,
                            .translucent = isosculpt_viewport_is_translucent(viewport),
                            .workspace = viewport->workspace,
-                           .occlusion = viewport->light.occlusion};
+                           .occlusion = light.occlusion};
     list_caps(viewport, count, factor, s);
-    if (!lit || !(viewport->light.occlusion.ambient || viewport->light.occlusion.shadow)) return ISO_OK;
+    if (!lit || !(light.occlusion.ambient || light.occlusion.shadow)) return ISO_OK;
     if (!viewport->occluders) viewport->occluders = iso_alloc_zero(1, sizeof *viewport->occluders);
     if (!viewport->occluders) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for occlusion");
     s->scene.occluders = viewport->occluders;
@@ -137,7 +138,7 @@ iso_status isosculpt_shown_render(isosculpt_viewport *viewport, iso_method metho
                                  .height = pixels->height,
                                  .samples = factor * factor,
                                  .shading = s.shading,
-                                 .outline = lit ? widen * viewport->light.outline : 0,
+                                 .outline = lit ? widen * isosculpt_viewport_light(viewport).outline : 0,
                                  .gbuffer = gbuffer,
                                  .pool = viewport->pool};
         ISO_TRY(iso_scene_render(&s.scene, &opts, image, &covered, error));

@@ -78,7 +78,7 @@ typedef struct isosculpt_see_through {
 } isosculpt_see_through;
 
 /* The light of the picture at rest that takes time to find, as of isorender's options; while the camera moves
- * there is none of it, nor in pictures of translucent surfaces. */
+ * there is none of it. */
 typedef struct isosculpt_light {
     iso_occlusion_opts occlusion;
     double outline; /* width, pixels; 0: none */
@@ -206,8 +206,11 @@ bool isosculpt_viewport_is_translucent(const isosculpt_viewport *viewport);
 /* Whether the surfaces of a viewed volume are coloured by data, which the cpu engine draws with lamps;
  * methods that cannot are replaced by exact. */
 bool isosculpt_viewport_is_colored(const isosculpt_viewport *viewport);
+/* Returns what of `light` the picture at rest has: translucent surfaces have none, and beside them there
+ * are no outlines. */
+isosculpt_light isosculpt_viewport_light(const isosculpt_viewport *viewport);
 /* Whether something is cut away, which the cpu engine draws with the methods exact and mesh, and lamps; and
- * whether the picture at rest has `light`, which the cpu engine draws, with lamps. */
+ * whether the picture at rest has any light of those, which the cpu engine draws, with lamps. */
 bool isosculpt_viewport_is_cut(const isosculpt_viewport *viewport);
 bool isosculpt_viewport_has_light(const isosculpt_viewport *viewport);
 /* Returns the method of the picture at rest: the chosen one, or exact if the picture requires it. */

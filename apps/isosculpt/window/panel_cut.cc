@@ -93,8 +93,11 @@ static void draw_note(const isosculpt_viewport *viewport) {
         ImGui::TextColored(
             GREY, cut ? "drawn by %s on the cpu, with lamps" : "at rest by %s on the cpu, with lamps",
             iso_method_name(isosculpt_viewport_method(viewport)));
-    if (!lit && isosculpt_viewport_is_translucent(viewport) && viewport->light.occlusion.ambient)
+    const isosculpt_light drawn = isosculpt_viewport_light(viewport);
+    if (viewport->light.occlusion.ambient && !drawn.occlusion.ambient)
         ImGui::TextColored(GREY, "translucent surfaces have no occlusion");
+    if (viewport->light.outline > drawn.outline)
+        ImGui::TextColored(GREY, "beside translucent surfaces: no outlines");
 }
 
 void panel_draw_cut(isosculpt_screen *screen) {
