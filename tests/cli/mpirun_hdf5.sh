@@ -47,8 +47,7 @@ def run(*arguments, ranks=0):
 
 
 def same(what):
-    with open("whole.png", "rb") as one, open("a.png", "rb") as other:
-        expect(one.read() == other.read(), what)
+    expect(Png("whole.png").rows == Png("a.png").rows, what)  # (the files also hold their scenes, which differ)
     os.remove("a.png")
 
 

@@ -96,7 +96,7 @@ picture field
 key r
 referenced() {
     whole_window panel
-    look color panel.png 130 190 240 268,460,294,482 50
+    look color panel.png 130 190 240 254,516,294,538 50
 }
 until_ "the reference's colour in the panel" referenced
 picture unchanged
