@@ -27,7 +27,7 @@ struct iso_session {
     char *journal_path;
     iso_journal_start start;
     iso_stamp *stamp;                             /* NULL: none yet */
-    int checkpoint_strokes, strokes, checkpoints; /* interval; numbers of strokes and checkpoints so far */
+    int checkpoint_strokes, strokes, checkpoints; /* interval; strokes since the last one; number so far */
     bool drawing;                                 /* a stroke is being drawn */
     bool replaying;     /* the journal being resumed: events are not recorded again */
     bool bounded;       /* an event of a stroke file is being replayed: check_cost applies */
@@ -540,7 +540,11 @@ static iso_status end_step(iso_session *session, const iso_event *event, iso_err
     iso_hgrid_reserve(session->grid, RESERVED_BRICKS);
     if (session->checkpoint && iso_checkpoint_done(session->checkpoint))
         ISO_TRY(finish_checkpoint(session, error));
-    bool due = session->checkpoint_strokes > 0 && session->strokes % session->checkpoint_strokes == 0;
+    /* what is undone can be redone only by replaying the strokes before it: the checkpoint waits */
+    const bool redoable = iso_history_position(session->history) < iso_history_count(session->history);
+    const bool due =
+        session->checkpoint_strokes > 0 && session->strokes >= session->checkpoint_strokes && !redoable;
+    if (due) session->strokes = 0;
     return due && session->journal && !session->replaying ? start_checkpoint(session, error) : ISO_OK;
 }
 
