@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "base/crc32c.h"
+#include "base/file.h"
 #include "grids/volume/remote/remote.h"
 
 enum { USUAL_MB = 1000, MOST_HEAD = 8192 };
@@ -68,12 +69,8 @@ void iso_remote_cache_find(const char *url, const iso_remote_part *part, iso_rem
     *entry->mark = 0;
     const int length = describe(wanted, url, part);
     if (!cache_folder(folder) || !path_of(folder, wanted, length, path)) return;
-    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-    FILE *file = descriptor >= 0 ? fdopen(descriptor, "rb") : NULL;
-    if (!file) {
-        if (descriptor >= 0) close(descriptor);
-        return;
-    }
+    FILE *file;
+    if (access(path, F_OK) != 0 || iso_file_open(path, &file, NULL, NULL) != ISO_OK) return;
     char mark[sizeof entry->mark];
     const bool ours = fgets(line, sizeof line, file) && strcmp(line, wanted) == 0 &&
                       fgets(mark, sizeof mark, file) && fgets(line, sizeof line, file) &&
@@ -85,7 +82,7 @@ void iso_remote_cache_find(const char *url, const iso_remote_part *part, iso_rem
         mark[strcspn(mark, "\n")] = 0;
         memcpy(entry->mark, mark, sizeof mark);
         entry->count = (size_t)count;
-        futimens(descriptor, NULL); /* used now */
+        futimens(fileno(file), NULL); /* used now */
     }
     fclose(file);
 }
