@@ -1,5 +1,6 @@
 /* beside: compares boxes and writes the note about a file that lies beside the others. */
 #include "apps/common/beside.h"
+#include "base/geometry.h"
 
 #include <stdio.h>
 

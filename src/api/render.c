@@ -197,13 +197,6 @@ static iso_status make_room_for_ids(int shapes, iso_aov *aov, iso_error *error) 
     return ISO_OK;
 }
 
-/* Converts the numbers of elements to those that users see. */
-static void number_elements(const rendering *r, iso_aov *aov) {
-    for (int i = 0; i < r->count; i++) iso_aov_unnumber(aov, (uint32_t)i + 1);
-    for (int i = 0; i < r->shapes_count; i++)
-        iso_scene_object_number(&r->objects[i], (uint32_t)(r->count + i + 1), aov);
-}
-
 static float smallest_spacing(const rendering *r) {
     double smallest = INFINITY;
     for (int i = 0; i < r->count; i++)
@@ -577,7 +570,6 @@ static iso_status render(rendering *r, iso_image *image, iso_error *error) {
     ISO_TRY(iso_api_colorings_begin(r->surfaces, opts, &view, &r->colorings, error));
     size_t covered = 0;
     ISO_TRY(draw_picture(r, image, &covered, error));
-    if (opts->aov) number_elements(r, opts->aov);
     if (opts->instance_counts) *opts->instance_counts = iso_placed_counts(&r->placed);
     return covered ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
 }
