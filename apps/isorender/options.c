@@ -12,7 +12,6 @@
 #include "base/file_identity.h"
 #include "io/key_file.h"
 #include "isopoint.h"
-#include "render/shading/outline.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"

@@ -21,7 +21,6 @@
 #include "image/image_file.h"
 #include "image/video.h"
 #include "io/key_file.h"
-#include "render/shading/outline.h"
 
 /* ---- one picture ---- */
 
@@ -258,8 +257,10 @@ static iso_status draw_frame(isorender_job *job, int frame, int factor, const in
                              .rows = {rows[0], rows[1]},
                              .samples = job->samples,
                              .strip_bytes = (size_t)strip_bytes(settings),
-                             .shading = {colors, count, settings->background, settings->transparent,
-                                         iso_outline_color(settings->background, settings->transparent != 0)},
+                             .shading = {.colors = colors,
+                                         .color_count = count,
+                                         .background = settings->background,
+                                         .transparent = settings->transparent},
                              .lighting = (iso_lighting)settings->lighting,
                              .outline = settings->outline,
                              .pool = job->pool,

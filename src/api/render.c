@@ -14,7 +14,6 @@
 #include "image/image.h"
 #include "io/glyphs/placements_read.h"
 #include "render/picture.h"
-#include "render/shading/outline.h"
 #include "scene/bounds.h"
 #include "scene/cuts.h"
 #include "scene/picture.h"
@@ -492,7 +491,6 @@ static iso_status set_up_light(rendering *r, const iso_render_opts *opts, iso_er
         return iso_fail(error, ISO_ERR_USAGE, "occlusion within %g mm, an outline of %g pixels",
                         opts->occlusion, opts->outline);
     r->picture.outline = opts->outline;
-    r->picture.shading.ink = iso_outline_color(r->picture.shading.background, opts->transparent);
     if (opts->occlusion == 0 && !opts->shadow && opts->outline == 0) return ISO_OK;
     const bool beside = r->renderer->can & ISO_CAN_LIT_LAYERS && opts->outline == 0;
     if ((r->translucent && !beside) || opts->glass)

@@ -79,7 +79,7 @@ io/points_write.h                    isorender isosculpt
 render/gl/canvas.h                   isosculpt
 render/layers/opacity.h              isosculpt
 render/point_surface.h               isosculpt
-render/shading/outline.h             isorender isosculpt
+render/shading/outline.h             isosculpt
 render/shading/shading.h             isosculpt
 render/shapes/shapes.h               isosculpt
 render/view/gbuffer.h                isosculpt

@@ -19,7 +19,7 @@ typedef struct iso_shading {
     int color_count;       /* at least 1; surfaces with higher numbers have the last colour */
     iso_rgb background;
     int transparent; /* 1: background alpha 0 */
-    iso_rgb ink;     /* the colour of outlines */
+    iso_rgb ink;     /* the colour of outlines; iso_picture_render chooses it */
 } iso_shading;
 
 /* Returns the default colour for a surface number. */
