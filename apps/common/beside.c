@@ -1,8 +1,9 @@
 /* beside: compares boxes and writes the note about a file that lies beside the others. */
 #include "apps/common/beside.h"
-#include "base/geometry.h"
 
 #include <stdio.h>
+
+#include "base/geometry.h"
 
 static bool overlap(const iso_box *a, const iso_box *b) {
     return a->lo.x <= b->hi.x && b->lo.x <= a->hi.x && a->lo.y <= b->hi.y && b->lo.y <= a->hi.y &&
