@@ -17,10 +17,6 @@
 
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A change: the box of voxels lo..hi of a cell (inclusive, 0..15) that an edit may have changed. */
 typedef struct iso_change {
     uint64_t edit; /* the edit's number, 1 and up */
@@ -56,7 +52,4 @@ size_t iso_change_log_since(const iso_change_log *log, uint64_t seen, const iso_
 /* Returns the size of the log in bytes, including address space for cells that never changed. */
 size_t iso_change_log_bytes(const iso_change_log *log);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

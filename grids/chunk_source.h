@@ -6,10 +6,6 @@
 #include "base/parallel.h"
 #include "grids/grid_chunk.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The volume is described as an iso_rgrid is. */
 typedef struct iso_chunk_source {
     int dims[3];
@@ -83,7 +79,4 @@ iso_status iso_chunk_source_visit(const iso_chunk_source *source, int side, iso_
 iso_status iso_chunk_source_count_nonfinite(const iso_chunk_source *source, int side, iso_pool *pool,
                                             size_t *count, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -13,10 +13,6 @@
 #include "grids/brick_range.h"
 #include "grids/rgrid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Layers of voxels around the bricks of a chunk that it needs. */
 enum { ISO_CHUNK_BELOW = 1, ISO_CHUNK_ABOVE = 2 };
 
@@ -80,7 +76,4 @@ iso_status iso_grid_chunk_view(const iso_rgrid *whole, const iso_grid_chunk *chu
 void iso_grid_chunk_ranges(const iso_rgrid *grid, const iso_grid_chunk *chunk, iso_pool *pool,
                            iso_brick_range *ranges);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

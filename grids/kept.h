@@ -5,10 +5,6 @@
 
 #include "grids/rgrid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Copies the voxels of a grid to `out`, contiguous and of the grid's type. Kept are the corners of cells that
  * a surface of some isovalue low .. high (physical) crosses, and the six neighbours of these, from which
  * normals come; voxels that are no finite numbers, because cells with one are empty. Each other voxel becomes
@@ -18,7 +14,4 @@ extern "C" {
 iso_status iso_kept_copy(const iso_rgrid *grid, double low, double high, void *out, size_t *kept,
                          iso_pool *pool, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -12,10 +12,6 @@
 #include "grids/closing/closed_mesh.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Writes a .vdb file with a grid of class "level set", as OpenVDB's tools, Blender and Houdini read it:
  * floats, distances in mm, background band * voxel size, and the grid's transform. `name` is the name of the
  * grid in the file. The file appears whole or not at all. ISO_ERR_USAGE: the voxels are not cubes;
@@ -86,7 +82,4 @@ iso_status iso_level_set_from_grid(const char *path, const iso_grid *from, const
 iso_status iso_level_set_resize(const iso_hgrid *from, const int offset[3], const int dims[3],
                                 iso_hgrid **out, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

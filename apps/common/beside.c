@@ -3,6 +3,8 @@
 
 #include <stdio.h>
 
+#include "base/geometry.h"
+
 static bool overlap(const iso_box *a, const iso_box *b) {
     return a->lo.x <= b->hi.x && b->lo.x <= a->hi.x && a->lo.y <= b->hi.y && b->lo.y <= a->hi.y &&
            a->lo.z <= b->hi.z && b->lo.z <= a->hi.z;

@@ -3,7 +3,6 @@
 #ifndef ISO_APPS_COMMON_BESIDE_H
 #define ISO_APPS_COMMON_BESIDE_H
 
-#include "base/geometry.h"
 #include "io/common/read_opts.h"
 
 enum { ISO_BESIDE_TEXT = 1024 };

@@ -3,7 +3,7 @@
 #define ISO_APPS_COMMON_CAP_STYLE_H
 
 #include "base/status.h"
-#include "image/colormap.h"
+#include "scene/caps.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -4,7 +4,6 @@
 #define ISO_APPS_COMMON_COLORING_SETTINGS_H
 
 #include "base/unit.h"
-#include "image/colormap.h"
 #include "scene/coloring.h"
 #include "scene/cuts.h"
 

@@ -77,10 +77,6 @@ void iso_json_bool(iso_json *json, const char *key, bool value) {
     add(json, key, json_boolean(value));
 }
 
-void iso_json_null(iso_json *json, const char *key) {
-    add(json, key, json_null());
-}
-
 void iso_json_reals(iso_json *json, const char *key, const double *values, int count) {
     iso_json_begin_array(json, key);
     for (int i = 0; i < count; i++) iso_json_real(json, NULL, values[i]);

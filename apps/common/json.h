@@ -34,7 +34,6 @@ void iso_json_string(iso_json *json, const char *key, const char *value); /* add
 void iso_json_real(iso_json *json, const char *key, double value);
 void iso_json_integer(iso_json *json, const char *key, uint64_t value);
 void iso_json_bool(iso_json *json, const char *key, bool value);
-void iso_json_null(iso_json *json, const char *key);
 
 /* Add an array of `count` numbers. */
 void iso_json_reals(iso_json *json, const char *key, const double *values, int count);

@@ -3,7 +3,6 @@
 #define ISO_APPS_COMMON_JSON_PARTS_H
 
 #include "apps/common/json.h"
-#include "extract/mesh/mesh_measure.h"
 #include "grids/parts/components.h"
 
 /* Writes which parts of the solid were kept and dropped. Their volumes (mm3) are those of the voxels

@@ -15,7 +15,6 @@
 #define ISO_APPS_COMMON_LOADER_H
 
 #include "apps/common/input_spool.h"
-#include "base/file.h"
 #include "base/parallel.h"
 #include "extract/isovalue/isovalue.h"
 #include "grids/volume/input.h"

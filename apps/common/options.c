@@ -11,7 +11,7 @@
 #include "apps/common/synonyms.h"
 #include "base/text.h"
 #include "base/thread.h"
-#include "image/image.h"
+#include "isopoint.h"
 
 /* Compares words without regard to case, independent of the locale. */
 static bool same_letters(const char *a, const char *b) {

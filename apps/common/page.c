@@ -14,6 +14,7 @@
 #include "base/memory.h"
 #include "grids/brick_index.h"
 #include "grids/kept.h"
+#include "image/image.h"
 
 bool iso_page_is_named(const char *path) {
     return iso_file_type_of_name(path, ISO_WRITES_PAGE) != ISO_FILE_UNKNOWN;
@@ -393,6 +394,7 @@ iso_status iso_page_put(FILE *stream, const char *path, const iso_page *page, is
     packer p = {.page = page, .bytes = voxels * iso_type_size(page->grid->type)};
     parts made = {.page = page, .voxels = &p.best};
     ISO_TRY(iso_page_check(path, error));
+    ISO_TRY(iso_brick_index_of(page->grid, page->pool, NULL, error));
     made.engine = find_file(has_layers(page) ? "layers.wasm.gz" : "opaque.wasm.gz");
     iso_status status = encode_still(page, &made.png, &made.png_size, error);
     if (status == ISO_OK) status = make_room(&p, path, &made, error);

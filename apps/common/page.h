@@ -8,10 +8,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "grids/rgrid.h"
-#include "image/image.h"
 #include "isopoint.h"
-#include "render/layers/layers.h"
+#include "scene/layered_picture.h"
 
 enum { ISO_PAGE_SURFACES = 16 };
 /* The largest page when nobody says it: of a range that is chosen, and of one that is given. */
@@ -33,8 +31,8 @@ typedef struct iso_page_clip {
 
 /* What is written; all borrowed. */
 typedef struct iso_page {
-    const char *name;      /* of the input, as the page's title and command have it */
-    const iso_rgrid *grid; /* with its index (iso_brick_index_of) */
+    const char *name; /* of the input, as the page's title and command have it */
+    iso_rgrid *grid;
     const iso_page_surface *surfaces;
     int count; /* ISO_PAGE_SURFACES at most */
     iso_page_clip clip;

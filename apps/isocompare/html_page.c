@@ -6,15 +6,14 @@
 #include "apps/common/page.h"
 #include "apps/isocompare/report.h"
 #include "base/file.h"
-#include "exact/exact.h"
-#include "grids/brick_index.h"
 #include "scene/bounds.h"
+#include "scene/picture.h"
 
 enum { SIDE = 512, MOST_BYTES = 4000000 };
 
 /* From the front, as isorender begins. */
-static iso_camera fit(const iso_exact *exact, const iso_grid *grid) {
-    const iso_box box = iso_bounds_of_cells(exact, iso_grid_transform(grid));
+static iso_camera fit(const iso_scene_surface *surface) {
+    const iso_box box = iso_bounds_of_part(surface, ISO_PART_CELLS);
     iso_camera camera = {.view_angle = 30, .parallel_scale = 1};
     iso_vec3 forward;
     iso_direction_vectors(ISO_FRONT, iso_vec3_make(0, 0, 1), &forward, &camera.view_up);
@@ -25,19 +24,22 @@ static iso_camera fit(const iso_exact *exact, const iso_grid *grid) {
 
 /* Writes the page to a stream: its first picture, then all of it. */
 static iso_status put_page(const report *r, FILE *stream, iso_error *error) {
-    const iso_grid *grid = &r->surface.grid;
-    const iso_camera camera = fit(r->surface.exact, grid);
-    const iso_view view = iso_view_make(&camera, SIDE, SIDE);
+    const iso_camera camera = fit(&r->surface);
     const iso_page_surface surface = {
         .isovalue = r->surface.isovalue, .color = {0xD9, 0xB3, 0x6C}, .translucency = {.opacity = 1}};
-    const iso_shading shading = {
-        .colors = &surface.color, .color_count = 1, .background = r->settings->background};
+    const iso_layered_surface layered = {&r->surface, surface.translucency};
+    iso_scene scene = {.renderer = iso_renderer_get(ISO_METHOD_EXACT), .surfaces = &layered, .count = 1};
+    iso_picture_opts opts = {
+        .camera = &camera,
+        .width = SIDE,
+        .height = SIDE,
+        .shading = {.colors = &surface.color, .color_count = 1, .background = r->settings->background},
+        .pool = r->pool};
     iso_image image = {0};
     iso_page_written written;
     ISO_TRY(iso_image_create(SIDE, SIDE, &image, error));
-    const iso_exact_picture picture = {&view, &shading, &image, r->pool, NULL};
     const iso_page page = {.name = r->model,
-                           .grid = grid->rgrid,
+                           .grid = r->surface.grid.rgrid,
                            .surfaces = &surface,
                            .count = 1,
                            .camera = &camera,
@@ -46,8 +48,7 @@ static iso_status put_page(const report *r, FILE *stream, iso_error *error) {
                            .range = {NAN, NAN},
                            .most = MOST_BYTES,
                            .pool = r->pool};
-    iso_status status = iso_brick_index_of(grid->rgrid, r->pool, NULL, error);
-    if (status == ISO_OK) status = iso_paint_exact(&picture, r->surface.exact, NULL, error);
+    iso_status status = iso_scene_render(&scene, &opts, &image, NULL, error);
     if (status == ISO_OK) status = iso_page_put(stream, "report.html", &page, &written, error);
     iso_image_free(&image);
     return status;

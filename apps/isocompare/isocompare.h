@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "compare/metrics.h"
 #include "compare/surfaces.h"
-#include "image/image.h"
+#include "isopoint.h"
 
 enum { ISOCOMPARE_BOUNDS = 32 };
 

@@ -4,7 +4,6 @@
 #define ISO_APPS_ISORENDER_ANNOTATIONS_H
 
 #include "apps/isorender/settings.h"
-#include "image/colormap.h"
 #include "image/drawing.h"
 
 struct isorender_job;

@@ -67,7 +67,7 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
         return iso_fail(
             error, ISO_ERR_USAGE,
             "--backend %s draws translucent surfaces with --method splats only: others need the cpu", name);
-    if (gl && settings->group_radii == ISORENDER_GROUP_RADII_COPIES)
+    if (gl && settings->group_radii == ISO_GROUP_RADII_COPIES)
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no --group-radii copies: they need the cpu",
                         name);
     if (gl && settings->one_pyramid)

@@ -3,7 +3,7 @@
 #define ISO_APPS_ISORENDER_BACKEND_H
 
 #include "apps/isorender/settings.h"
-#include "render/gl/engine.h"
+#include "scene/gl_scene.h"
 
 /* isorender_backend_close when done. */
 typedef struct isorender_backend {

@@ -4,7 +4,6 @@
 #define ISO_APPS_ISORENDER_CHUNKS_H
 
 #include "apps/isorender/isorender.h"
-#include "exact/chunks.h"
 #include "grids/volume_index.h"
 #include "scene/point_chunks.h"
 

@@ -7,9 +7,7 @@
 
 #include "apps/isorender/labels.h"
 #include "base/file_types.h"
-#include "base/memory.h"
 #include "io/mesh/mesh_read.h"
-#include "render/raster/triangles.h"
 #include "scene/distances.h"
 
 /* One value of the option with what it names. */

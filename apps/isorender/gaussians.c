@@ -1,6 +1,4 @@
 /* gaussians: a file of 3-D Gaussians as the input: checks options, reports them. */
-#include "render/gaussians/gaussians.h"
-
 #include "apps/isorender/labels.h"
 #include "io/glyphs/glyphs_read.h"
 

@@ -11,7 +11,6 @@
 #include "apps/isorender/segmentation.h"
 #include "base/memory.h"
 #include "io/file_contents.h"
-#include "io/glyphs/glyphs_read.h"
 
 /* ---- checks that need the header ---- */
 

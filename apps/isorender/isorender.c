@@ -13,7 +13,6 @@
 #include "apps/isorender/sheet.h"
 #include "apps/isorender/watch.h"
 #include "base/file_types.h"
-#include "base/memory.h"
 
 static int fail(const iso_error *error, iso_status status) {
     return iso_program_fail(isorender_program(), error, status);

@@ -12,18 +12,9 @@
 #include "apps/isorender/progress.h"
 #include "apps/isorender/settings.h"
 #include "clouds/cloud.h"
-#include "exact/exact.h"
-#include "extract/mesh/mesh.h"
-#include "extract/mesh/mesh_measure.h"
-#include "extract/points/points.h"
 #include "grids/parts/components.h"
-#include "image/camera.h"
-#include "image/environment.h"
-#include "render/picture.h"
-#include "render/shading/shading.h"
 #include "scene/gl_scene.h"
 #include "scene/picture.h"
-#include "truth/raycast.h"
 
 /* One isosurface, of the input or of a further volume. */
 typedef struct isorender_surface {
@@ -206,6 +197,7 @@ iso_status isorender_object_take_gradients(isorender_job *job, isorender_object 
 bool isorender_uses_groups(const isorender_job *job); /* draws points by --reconstruction groups */
 /* Divides the points of a surface into groups for splats. ISO_ERR_NOMEM, ISO_ERR_LIMIT. */
 iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error);
+iso_grouping isorender_grouping(const isorender_settings *settings);    /* of the options --group-.. */
 void isorender_report_groups(iso_json *json, const isorender_job *job); /* a member of --json's report */
 
 /* ---- levels_of_detail.c */

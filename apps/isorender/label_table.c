@@ -8,7 +8,7 @@
 
 #include "apps/isorender/label_meshes.h"
 #include "apps/isorender/segmentation.h"
-#include "base/memory.h"
+#include "extract/mesh/mesh_measure.h"
 
 typedef struct measuring {
     isorender_job *job;

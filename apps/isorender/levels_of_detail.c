@@ -2,7 +2,6 @@
 #include <math.h>
 
 #include "apps/isorender/isorender.h"
-#include "render/gl/pullpush.h"
 
 /* The value of --lod that is assumed. */
 static const double DEFAULT_PIXELS = 1;

@@ -5,8 +5,7 @@
 
 #include "apps/isorender/isorender.h"
 #include "base/mpi_ranks.h"
-#include "exact/chunks.h"
-#include "render/pullpush/keys.h"
+#include "scene/point_chunks.h"
 
 /* Starts MPI if mpirun has started several processes; else there is one rank. ISO_ERR_UNSUPPORTED: the
  * module is not installed; ISO_ERR_BRIDGE. isorender_ranks_finish when done, also after a failure. */

@@ -4,7 +4,7 @@
 
 #include "apps/isorender/isorender.h"
 #include "base/memory.h"
-#include "base/text.h"
+#include "io/mesh/mesh_read.h"
 
 bool isorender_object_is_branches(const char *path) {
     return iso_mesh_find_faces(path) != ISO_MESH_NO_FACES;

@@ -5,10 +5,9 @@
 
 #include "apps/common/coloring_settings.h"
 #include "apps/common/options.h"
-#include "base/glyphs.h"
 #include "grids/volume/vectors_read.h"
 #include "io/common/read_opts.h"
-#include "render/shapes/shapes.h"
+#include "scene/object.h"
 
 enum {
     ISORENDER_OBJECTS = 32,

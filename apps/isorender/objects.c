@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
+#include "io/mesh/mesh_read.h"
 
 static bool has_lines(const isorender_object *object) {
     return object->settings->kind == ISORENDER_LINES;

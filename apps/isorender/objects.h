@@ -9,10 +9,7 @@
 #include "extract/vectors/gradient_glyphs.h"
 #include "extract/vectors/streamlines.h"
 #include "extract/vectors/vector_glyphs.h"
-#include "image/annotate.h"
-#include "image/aov.h"
 #include "io/common/read_opts.h"
-#include "io/mesh/mesh_read.h"
 #include "scene/object.h"
 
 /* Facts about the volume of vectors or tensors that an object was made of. */

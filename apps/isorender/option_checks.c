@@ -21,17 +21,12 @@
 #include "apps/isorender/segmentation.h"
 #include "apps/isorender/series.h"
 #include "apps/isorender/sheet.h"
-#include "base/text.h"
 #include "image/image_file.h"
 #include "image/video.h"
 #include "io/file_contents.h"
-#include "io/glyphs/glyphs_read.h"
-#include "io/lines/lines_read.h"
 #include "io/mesh/mesh_read.h"
 #include "io/mesh/mesh_write.h"
-#include "render/picture.h"
 #include "scene/glass.h"
-#include "scene/layered_picture.h"
 
 iso_status isorender_settings_add_object(isorender_settings *settings, isorender_object_kind kind,
                                          const char *path, iso_error *error) {

@@ -10,12 +10,8 @@
 #include "apps/isorender/looks.h"
 #include "apps/isorender/option_checks.h"
 #include "base/file_identity.h"
-#include "base/text.h"
-#include "image/image.h"
 #include "io/key_file.h"
-#include "render/glass/glass.h"
-#include "render/groups/grouping.h"
-#include "render/shading/outline.h"
+#include "isopoint.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"

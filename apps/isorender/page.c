@@ -10,7 +10,6 @@
 
 #include "apps/common/page.h"
 #include "base/text.h"
-#include "grids/brick_index.h"
 #include "grids/volume/volume.h"
 
 static bool is_page(const isorender_settings *settings) {
@@ -154,7 +153,6 @@ iso_status isorender_page_write(isorender_job *job, const iso_image *image, cons
     int count = 0;
     ISO_TRY(check_grid(job, path, error));
     iso_rgrid *grid = job->surfaces[0].scene.grid.rgrid;
-    ISO_TRY(iso_brick_index_of(grid, job->pool, NULL, error));
     for (int i = 0; i < job->surface_count; i++) {
         const isorender_surface *s = &job->surfaces[i];
         surfaces[i] = (iso_page_surface){s->scene.isovalue, s->color, s->translucency};

@@ -21,10 +21,6 @@
 #include "image/image_file.h"
 #include "image/video.h"
 #include "io/key_file.h"
-#include "render/gl/groups.h"
-#include "render/gl/pullpush.h"
-#include "render/gl/shapes.h"
-#include "render/shading/outline.h"
 
 /* ---- one picture ---- */
 
@@ -226,13 +222,6 @@ static bool has_ids(const isorender_settings *settings) {
                              settings->isovalue_count > 1 || settings->labels || settings->smooth);
 }
 
-static void number_elements(const isorender_job *job, iso_aov *aov) {
-    for (int i = 0; i < job->surface_count; i++)
-        if (!job->surfaces[i].label_group) iso_aov_unnumber(aov, (uint32_t)i + 1);
-    for (int i = 0; i < job->object_count; i++)
-        iso_scene_object_number(&job->objects[i].scene, (uint32_t)(job->surface_count + i + 1), aov);
-}
-
 static uint64_t smaller(uint64_t a, uint64_t b) {
     return a < b ? a : b;
 }
@@ -268,8 +257,10 @@ static iso_status draw_frame(isorender_job *job, int frame, int factor, const in
                              .rows = {rows[0], rows[1]},
                              .samples = job->samples,
                              .strip_bytes = (size_t)strip_bytes(settings),
-                             .shading = {colors, count, settings->background, settings->transparent,
-                                         iso_outline_color(settings->background, settings->transparent != 0)},
+                             .shading = {.colors = colors,
+                                         .color_count = count,
+                                         .background = settings->background,
+                                         .transparent = settings->transparent},
                              .lighting = (iso_lighting)settings->lighting,
                              .outline = settings->outline,
                              .pool = job->pool,
@@ -308,7 +299,6 @@ static iso_status render_frame(isorender_job *job, int frame, canvas *c, iso_err
     double start = iso_clock_seconds();
     ISO_TRY(draw_frame(job, frame, 1, (int[2]){0, 0}, &c->image, &c->aov, &job->frames[frame], error));
     job->frames[frame].instances = iso_placed_counts(&job->instances.placed);
-    number_elements(job, &c->aov);
     isorender_detail_note(job, &before, &job->frames[frame]);
     job->seconds.render += iso_clock_seconds() - start;
     settings->film->covered += job->frames[frame].covered;
@@ -444,23 +434,16 @@ static float smallest_spacing(const isorender_job *job) {
 
 /* Main memory that a software renderer of OpenGL takes for a picture. */
 static uint64_t gl_bytes(const isorender_job *job) {
-    const isorender_backend *backend = job->backend;
-    if (!backend->engine || iso_gl_context_info(backend->context).hardware) return 0;
-    const int factor = iso_picture_factor(job->samples), width = job->settings->width * factor,
-              height = job->settings->height * factor;
-    const uint64_t shapes =
-        job->settings->object_options.count ? iso_gl_shapes_bytes(backend->engine, width, height) : 0;
-    const bool splats = job->settings->method == ISO_METHOD_SPLATS;
-    if (splats && job->settings->reconstruction == ISORENDER_RECONSTRUCTION_GROUPS) {
-        const int slots = job->settings->groups ? job->settings->groups : ISO_GROUPS_DEFAULT;
-        return shapes + iso_gl_groups_bytes(backend->engine, slots, width, height);
-    }
-    if (!isorender_has_reconstructions(job->settings->method))
-        return shapes + iso_gl_draw_bytes(backend->engine, width, height);
-    const bool selects = job->settings->selection != (int)ISO_SELECTION_ALL;
-    return shapes + (selects ? iso_gl_selection_bytes(width, height) : 0) +
-           iso_gl_pullpush_bytes(backend->engine, (iso_reconstruction)job->settings->reconstruction, width,
-                                 height);
+    const isorender_settings *settings = job->settings;
+    if (iso_gl_context_info(job->backend->context).hardware) return 0;
+    const int factor = iso_picture_factor(job->samples);
+    const iso_gl_picture picture = {.renderer = job->renderer,
+                                    .width = settings->width * factor,
+                                    .height = settings->height * factor,
+                                    .groups = settings->groups,
+                                    .selects = settings->selection != (int)ISO_SELECTION_ALL,
+                                    .shapes = settings->object_options.count > 0};
+    return iso_gl_scene_bytes(job->backend->engine, &picture);
 }
 
 uint64_t isorender_picture_bytes(const isorender_job *job, int samples) {

@@ -6,6 +6,7 @@
 #include "apps/common/loader.h"
 #include "apps/common/template.h"
 #include "apps/isorender/plan.h"
+#include "base/file.h"
 #include "image/exr.h"
 #include "image/image_file.h"
 #include "image/video.h"

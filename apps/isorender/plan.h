@@ -3,7 +3,6 @@
 #define ISO_APPS_ISORENDER_PLAN_H
 
 #include "apps/isorender/settings.h"
-#include "base/file.h"
 
 /* The outputs of one input. The names are owned; NULL for an output that is not written. */
 typedef struct isorender_plan {

@@ -11,7 +11,6 @@
 #include "apps/common/value_path.h"
 #include "apps/isorender/labels.h"
 #include "base/file_types.h"
-#include "base/text.h"
 #include "image/image_file.h"
 #include "image/video.h"
 

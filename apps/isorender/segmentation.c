@@ -10,7 +10,6 @@
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/label_items.h"
 #include "apps/isorender/label_table.h"
-#include "base/memory.h"
 #include "grids/scenes/scenes.h"
 
 const char *isorender_labels_path(const isorender_job *job) {
@@ -246,6 +245,7 @@ static void add_surface(isorender_job *job, isorender_segmentation *s, int group
                                          .isovalue = 0,
                                          .pool = job->pool,
                                          .transparency = (iso_transparency)job->settings->transparency,
+                                         .grouping = isorender_grouping(job->settings),
                                          .bins = job->settings->group_bins,
                                          .selection = (iso_point_selection)job->settings->selection,
                                          .borders = true,

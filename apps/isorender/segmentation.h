@@ -6,7 +6,6 @@
 #include "apps/isorender/isorender.h"
 #include "grids/labels/label_fields.h"
 #include "grids/labels/label_names.h"
-#include "image/annotate.h"
 #include "scene/label_colors.h"
 
 /* How a label is drawn. */

@@ -7,13 +7,10 @@
 #include "apps/isorender/object_settings.h"
 #include "apps/isorender/sheet_settings.h"
 #include "apps/isorender/volume_settings.h"
-#include "base/geometry.h"
 #include "base/mpi_ranks.h"
 #include "extract/mesh/mesh_edit.h"
 #include "image/annotate.h"
-#include "image/camera.h"
 #include "isopoint.h"
-#include "render/point_surface.h"
 #include "scene/caps.h"
 #include "scene/cuts.h"
 #include "scene/method.h"
@@ -47,13 +44,6 @@ typedef enum isorender_opacity_mode {
     ISORENDER_OPACITY_BY_ANGLE,
     ISORENDER_OPACITY_CONSTANT
 } isorender_opacity_mode;
-
-/* How the discs of a group are enlarged so that the group covers the surface. */
-typedef enum isorender_group_radii {
-    ISORENDER_GROUP_RADII_COVERAGE,
-    ISORENDER_GROUP_RADII_ROOT,
-    ISORENDER_GROUP_RADII_COPIES /* not at all: copies of discs of other groups fill the gaps */
-} isorender_group_radii;
 
 /* Which normals the points of a file get: those that it has, or estimated ones. */
 typedef enum isorender_normals { ISORENDER_NORMALS_FILE, ISORENDER_NORMALS_AUTO } isorender_normals;
@@ -198,7 +188,7 @@ typedef struct isorender_settings {
     /* Of splats: iso_groups_opts, and iso_draw_groups_opts.bins. 0: not given. */
     int groups, group_bins, group_opposite;
     double group_overlap, group_coplanar; /* group_coplanar: degrees */
-    int group_radii;                      /* isorender_group_radii */
+    int group_radii;                      /* iso_group_radii */
     int transparency;                     /* iso_transparency, of splats */
     int selection;                        /* iso_point_selection, of discs */
     double lod;                           /* levels of detail: pixels; 0: none; NaN: not given */

@@ -12,6 +12,7 @@
 #include "apps/isorender/panels.h"
 #include "base/file_identity.h"
 #include "base/memory.h"
+#include "extract/mesh/mesh_measure.h"
 #include "scene/distances.h"
 
 /* ---- options */

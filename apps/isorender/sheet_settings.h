@@ -3,7 +3,7 @@
 #define ISO_APPS_ISORENDER_SHEET_SETTINGS_H
 
 #include "apps/isorender/bids.h"
-#include "image/image.h"
+#include "isopoint.h"
 
 /* A number that --measure puts at each panel of a contact sheet. */
 typedef enum isorender_measure {

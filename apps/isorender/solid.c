@@ -5,6 +5,7 @@
 
 #include "apps/common/json_parts.h"
 #include "apps/isorender/isorender.h"
+#include "extract/mesh/mesh_measure.h"
 #include "grids/parts/closed.h"
 #include "grids/parts/components.h"
 #include "scene/hollow.h"

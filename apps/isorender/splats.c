@@ -1,8 +1,6 @@
 /* Reconstructions of pullpush, discs and splats: checks them and the options of splats, divides points into
  * groups, and reports the groups. */
 #include "apps/isorender/isorender.h"
-#include "render/groups/copies.h"
-#include "render/groups/coverage.h"
 
 /* The option of splats that is given, NULL: none. */
 static const char *given_option(const isorender_settings *settings) {
@@ -116,25 +114,23 @@ bool isorender_uses_groups(const isorender_job *job) {
 }
 
 iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error) {
-    const isorender_settings *settings = job->settings;
-    const iso_point_view points = iso_scene_surface_points(&job->surfaces[surface].scene);
-    iso_groups *groups = &job->surfaces[surface].scene.groups;
-    const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
-    iso_groups_opts opts = sorted ? iso_groups_default_opts(job->pool) : iso_splat_layers_grouping(job->pool);
-    if (settings->groups) opts.limit = settings->groups;
-    opts.overlap = settings->group_overlap;
-    opts.ignore_opposite = settings->group_opposite;
-    opts.coplanar = settings->group_coplanar;
-    ISO_TRY(iso_groups_make(&points, &opts, groups, error));
-    if (!sorted && settings->group_radii == ISORENDER_GROUP_RADII_COVERAGE)
-        ISO_TRY(iso_groups_cover(&points, opts.disc, job->pool, groups, error));
-    if (!sorted && settings->group_radii == ISORENDER_GROUP_RADII_COPIES)
-        ISO_TRY(iso_groups_copy(&points, opts.disc, job->pool, groups, error));
+    iso_scene_surface *scene = &job->surfaces[surface].scene;
+    ISO_TRY(iso_scene_surface_update(scene, ISO_PART_GROUPS, error));
+    const iso_point_view points = iso_scene_surface_points(scene);
     const double count = (double)iso_point_view_count(&points);
     isorender_log_verbose(job, "%d groups: %.2f overlapping discs a disc, %.4f of them in its group",
-                          groups->count, 2 * (double)groups->joined / count,
-                          2 * (double)groups->conflicts / count);
+                          scene->groups.count, 2 * (double)scene->groups.joined / count,
+                          2 * (double)scene->groups.conflicts / count);
     return ISO_OK;
+}
+
+iso_grouping isorender_grouping(const isorender_settings *settings) {
+    return (iso_grouping){.limit = settings->groups,
+                          .overlap = settings->group_overlap,
+                          .coplanar = settings->group_coplanar,
+                          .ignore_opposite = settings->group_opposite != 0,
+                          .once = true,
+                          .radii = (iso_group_radii)settings->group_radii};
 }
 
 static void report_widening(iso_json *json, const iso_groups *groups) {

@@ -97,6 +97,7 @@ static iso_status add_surface(isorender_job *job, iso_loader *loader, isorender_
     surface->scene = (iso_scene_surface){.pool = job->pool,
                                          .given = loader->has_points ? &job->read_points : NULL,
                                          .transparency = (iso_transparency)job->settings->transparency,
+                                         .grouping = isorender_grouping(job->settings),
                                          .bins = job->settings->group_bins,
                                          .selection = (iso_point_selection)job->settings->selection,
                                          .filter = (iso_filter)job->settings->filter,
@@ -301,29 +302,14 @@ static iso_transform transform_of(const isorender_job *job, const isorender_surf
     return surface->loader->has_points ? job->cloud.transform : *iso_grid_transform(&surface->scene.grid);
 }
 
-/* The box of a surface in the coordinates to which `affine` maps its index coordinates. */
+/* The box of a surface in the coordinates to which `affine` maps its index coordinates, NULL: in these. */
 static iso_box bounds_of(const isorender_job *job, int i, const iso_affine *affine) {
-    const isorender_surface *surface = &job->surfaces[i];
+    const iso_scene_surface *scene = &job->surfaces[i].scene;
     if (job->chunks) return isorender_chunks_bounds(job, affine);
-    if (surface->scene.exact) return iso_exact_bounds(surface->scene.exact, affine);
-    if (surface->scene.points || surface->loader->has_points) {
-        const iso_point_view view = iso_scene_surface_points(&job->surfaces[i].scene);
-        return iso_bounds_of_each_point(&view, affine);
-    }
-    const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
-    return iso_bounds_of_each_vertex(&view, affine);
-}
-
-/* The same in index coordinates. */
-static iso_box index_bounds(const isorender_job *job, int i) {
-    const isorender_surface *surface = &job->surfaces[i];
-    if (surface->scene.exact) return iso_exact_bounds(surface->scene.exact, NULL);
-    if (surface->scene.points || surface->loader->has_points) {
-        const iso_point_view view = iso_scene_surface_points(&job->surfaces[i].scene);
-        return iso_point_view_bounds(&view);
-    }
-    const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
-    return iso_mesh_view_bounds(&view);
+    const iso_part part = scene->exact                    ? ISO_PART_CELLS
+                          : scene->points || scene->given ? ISO_PART_POINTS
+                                                          : ISO_PART_MESH;
+    return iso_bounds_along(scene, part, affine);
 }
 
 /* Maps index coordinates to those along three world vectors. Only for points: the inverse is not set. */
@@ -345,7 +331,7 @@ static iso_box bounds_of_instances(const isorender_job *job, int i, const iso_bo
                                    const iso_vec3 *vectors) {
     if (!isorender_has_instances(job, i)) return *own;
     const iso_transform transform = transform_of(job, &job->surfaces[i]);
-    const iso_box index = index_bounds(job, i);
+    const iso_box index = bounds_of(job, i, NULL);
     return iso_placed_bounds(&job->instances.placements, &transform, &index, own, vectors);
 }
 
@@ -394,7 +380,7 @@ static void find_surface_bounds(isorender_job *job, int i, iso_box *index) {
     isorender_surface *surface = &job->surfaces[i];
     const iso_transform transform = transform_of(job, surface);
     const iso_affine affine = iso_transform_affine(&transform);
-    const iso_box box = index_bounds(job, i);
+    const iso_box box = bounds_of(job, i, NULL);
     const iso_box own =
         iso_bounds_is_oblique(&transform) ? bounds_of(job, i, &affine) : iso_box_transform(&box, &affine);
     surface->bounds = bounds_of_instances(job, i, &own, NULL);

@@ -4,7 +4,7 @@
 #define ISO_APPS_ISORENDER_VOLUME_SETTINGS_H
 
 #include "apps/common/options.h"
-#include "image/image.h"
+#include "isopoint.h"
 
 enum { ISORENDER_VOLUMES = 16 }; /* in a picture, beside the input */
 

@@ -8,10 +8,6 @@
 #include "grids/closing/triangle_tree.h"
 #include "grids/hgrid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The voxels of a brick: voxel (x, y, z) lies at origin + voxel * (at + (x, y, z)), mm. */
 typedef struct iso_brick_place {
     const double *origin; /* borrowed */
@@ -34,7 +30,4 @@ void iso_brick_distances(const iso_triangle_tree *tree, const iso_brick_place *b
                          double squared[ISO_BRICK_VOXELS],
                          const iso_tree_triangle *nearest[ISO_BRICK_VOXELS]);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

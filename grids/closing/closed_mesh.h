@@ -16,10 +16,6 @@
 #include "base/progress.h"
 #include "grids/closing/brick_distances.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The default for the largest hole to fill, as a fraction of the mesh's longest side. */
 #define ISO_MESH_HOLE 0.1
 
@@ -74,7 +70,4 @@ void iso_closed_mesh_nearest_triangles(const iso_closed_mesh *closed, const iso_
 /* Writes a line for users that says what was closed or turned. Returns false if nothing was. */
 bool iso_mesh_report_note(const iso_mesh_report *report, char *text, size_t size);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

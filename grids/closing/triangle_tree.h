@@ -15,10 +15,6 @@
 #include "base/primitives.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_triangle_tree iso_triangle_tree;
 
 /* Copies the triangles, at least one; without those that have no area, if others have one. ISO_ERR_NOMEM. */
@@ -74,7 +70,4 @@ void iso_triangle_tree_visit(const iso_triangle_tree *tree, const iso_box *box,
 /* Searches for the triangle that is nearest to p. */
 void iso_triangle_tree_nearest(const iso_triangle_tree *tree, iso_vec3 p, iso_nearest *nearest);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -10,10 +10,6 @@
 #include "base/primitives.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Immutable; thread-safe. */
 typedef struct iso_distance iso_distance;
 
@@ -37,7 +33,4 @@ double iso_distance_at(const iso_distance *distance, iso_vec3 point, size_t *nea
 /* Whether a point is inside, as the sign of iso_distance_at says. */
 bool iso_distance_is_inside(const iso_distance *distance, iso_vec3 point);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -15,10 +15,6 @@
 
 #include "grids/labels/labels.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum {
     ISO_LABEL_GROUPS = 63, /* most groups */
     ISO_LABEL_BORDER = 1   /* voxels of background that the level sets have around the volume */
@@ -53,7 +49,4 @@ int iso_label_fields_at(const iso_label_fields *fields, int group, iso_vec3 p);
 /* The same; *cell is of the last place in the same group. */
 int iso_label_fields_near(const iso_label_fields *fields, int group, iso_vec3 p, iso_label_cell *cell);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

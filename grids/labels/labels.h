@@ -6,10 +6,6 @@
 #include "base/parallel.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_LABEL_VALUE_MAX = 65535 };
 
 typedef struct iso_label {
@@ -57,7 +53,4 @@ static inline int iso_labels_at(const iso_labels *labels, int x, int y, int z) {
     return labels->number[((size_t)z * (size_t)n[1] + (size_t)y) * (size_t)n[0] + (size_t)x];
 }
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -11,10 +11,6 @@
 #include "base/parallel.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The parts to keep: those that meet both conditions. */
 typedef struct iso_components_opts {
     double isovalue;   /* physical */
@@ -46,7 +42,4 @@ typedef struct iso_components_totals {
 iso_status iso_components_filter(iso_grid *grid, const iso_components_opts *opts,
                                  iso_components_totals *totals, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

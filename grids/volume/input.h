@@ -9,10 +9,6 @@
 
 #include "grids/volume/volume.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_LEVEL_AUTO = -1 };
 
 /* All zero: default options. Strings are borrowed. A program's settings begin with an iso_input. */
@@ -75,7 +71,4 @@ iso_status iso_input_write(const iso_input *input, char *text, size_t room, iso_
  * ISO_ERR_FORMAT. */
 iso_status iso_input_parse(char *text, iso_input *input, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -14,7 +14,6 @@
 #include "image/image.h"
 #include "io/glyphs/placements_read.h"
 #include "render/picture.h"
-#include "render/shading/outline.h"
 #include "scene/bounds.h"
 #include "scene/cuts.h"
 #include "scene/picture.h"
@@ -195,13 +194,6 @@ static iso_status make_room_for_ids(int shapes, iso_aov *aov, iso_error *error) 
     if (aov && shapes) return iso_aov_add_ids(aov, error);
     if (aov) iso_aov_remove_ids(aov);
     return ISO_OK;
-}
-
-/* Converts the numbers of elements to those that users see. */
-static void number_elements(const rendering *r, iso_aov *aov) {
-    for (int i = 0; i < r->count; i++) iso_aov_unnumber(aov, (uint32_t)i + 1);
-    for (int i = 0; i < r->shapes_count; i++)
-        iso_scene_object_number(&r->objects[i], (uint32_t)(r->count + i + 1), aov);
 }
 
 static float smallest_spacing(const rendering *r) {
@@ -499,7 +491,6 @@ static iso_status set_up_light(rendering *r, const iso_render_opts *opts, iso_er
         return iso_fail(error, ISO_ERR_USAGE, "occlusion within %g mm, an outline of %g pixels",
                         opts->occlusion, opts->outline);
     r->picture.outline = opts->outline;
-    r->picture.shading.ink = iso_outline_color(r->picture.shading.background, opts->transparent);
     if (opts->occlusion == 0 && !opts->shadow && opts->outline == 0) return ISO_OK;
     const bool beside = r->renderer->can & ISO_CAN_LIT_LAYERS && opts->outline == 0;
     if ((r->translucent && !beside) || opts->glass)
@@ -577,7 +568,6 @@ static iso_status render(rendering *r, iso_image *image, iso_error *error) {
     ISO_TRY(iso_api_colorings_begin(r->surfaces, opts, &view, &r->colorings, error));
     size_t covered = 0;
     ISO_TRY(draw_picture(r, image, &covered, error));
-    if (opts->aov) number_elements(r, opts->aov);
     if (opts->instance_counts) *opts->instance_counts = iso_placed_counts(&r->placed);
     return covered ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
 }

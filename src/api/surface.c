@@ -205,17 +205,7 @@ iso_status iso_api_surface_part(iso_surface *surface, iso_part part, iso_error *
 }
 
 iso_box iso_api_surface_bounds(const iso_surface *surface, iso_part part) {
-    const iso_scene_surface *scene = &surface->scene;
-    if (surface->cloud) return surface->cloud->frame;
-    if (part == ISO_PART_POINTS) {
-        const iso_point_view points = iso_scene_surface_points(scene);
-        return iso_bounds_of_points(&points);
-    }
-    if (part == ISO_PART_MESH) {
-        const iso_mesh_view mesh = iso_mesh_set_view(scene->mesh);
-        return iso_bounds_of_mesh(&mesh);
-    }
-    return iso_bounds_of_cells(scene->exact, iso_grid_transform(&scene->grid));
+    return surface->cloud ? surface->cloud->frame : iso_bounds_of_part(&surface->scene, part);
 }
 
 iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *error) {

@@ -6,10 +6,6 @@
 #ifndef ISO_BASE_CPU_H
 #define ISO_BASE_CPU_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Each level includes those before it. */
 typedef enum iso_cpu_level {
     ISO_CPU_GENERIC, /* plain C */
@@ -52,7 +48,4 @@ const char *iso_cpu_level_name(iso_cpu_level level);
  * file defines (base/kernel.h) and ISO_KERNEL_UNIT (base/kernel_units.h) chooses among. */
 #define ISO_KERNEL_UNITS(type, kernel) extern type kernel##_generic, kernel##_avx2, kernel##_avx512
 
-#ifdef __cplusplus
-}
-#endif
 #endif

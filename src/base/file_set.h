@@ -12,10 +12,6 @@
 
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The files that a program reads and writes. Initialise with zeros; free with iso_file_set_free. */
 typedef struct iso_file_set {
     struct iso_file_entry *entries; /* owned */
@@ -38,7 +34,4 @@ iso_status iso_file_set_check(const iso_file_set *set, iso_error *error);
 
 void iso_file_set_free(iso_file_set *set);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The types, in the order of the list; ISO_FILE_UNKNOWN: none of them. */
 typedef enum iso_file_type {
     ISO_FILE_UNKNOWN = -1,
@@ -66,7 +62,4 @@ iso_file_type iso_file_type_find(const char *path, unsigned holds);
  * `room`. */
 void iso_file_type_extensions(unsigned holds, unsigned without, const char *last, char *text, size_t room);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

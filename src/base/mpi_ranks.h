@@ -13,10 +13,6 @@
 
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* What the module does by MPI; all return 0 when done. */
 typedef struct iso_message_passing {
     int (*start)(int *rank, int *size);
@@ -60,7 +56,4 @@ iso_status iso_ranks_least_keys(const iso_ranks *ranks, uint64_t *keys, size_t c
 iso_status iso_ranks_compare(const iso_ranks *ranks, const uint64_t *numbers, int count, int *first,
                              iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -4,10 +4,6 @@
 
 #include <stdbool.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Parses the real number that `text` begins with; *end: what follows it. The rules are those of
  * iso_parse_real. */
 bool iso_parse_real_prefix(const char *text, double *out, const char **end);
@@ -21,7 +17,4 @@ bool iso_parse_int(const char *text, int *out);
  */
 bool iso_parse_reals(const char *text, int count, double *out);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -143,7 +143,7 @@ typedef struct drawing {
 static iso_status draw_method(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const drawing *d = context;
     iso_target target = {view, gbuffer, d->surface->pool, 0, NULL};
-    return d->method->draw(d->surface, &target, error);
+    return iso_renderer_draw(d->method, d->surface, &target, error);
 }
 
 iso_status iso_study_draw(const iso_scene_surface *surface, const iso_renderer *method, const iso_view *view,

@@ -12,10 +12,6 @@
 #include "base/status.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_AOV_PLANES = 5 }; /* planes that every picture has: depth, normal x y z, coverage */
 
 /* The planes of iso_aov.ids. */
@@ -48,7 +44,4 @@ void iso_aov_renumber(iso_aov *aov, uint32_t surface, const uint32_t *numbers);
 /* For surfaces whose elements have no meaning for users: sets them to 0. */
 void iso_aov_unnumber(iso_aov *aov, uint32_t surface);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

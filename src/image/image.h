@@ -12,10 +12,6 @@
 #include "base/status.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 bool iso_image_is_opaque(const iso_image *image); /* whether no pixel is transparent */
 
 /* A text in a PNG file: a tEXt chunk, or an iTXt chunk in UTF-8 when the value is not ASCII. Keys are those
@@ -54,7 +50,4 @@ bool iso_png_size(const char *path, uint32_t size[2]);
  * sides beyond ISO_IMAGE_MAX), ISO_ERR_NOMEM. */
 iso_status iso_png_read(const char *path, iso_image *image, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

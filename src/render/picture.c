@@ -121,7 +121,9 @@ static iso_status render_opaque_rows(picture *p, int y0, int count, iso_error *e
     const iso_gbuffer rows = rows_of(&p->gbuffer, above, count * factor);
     const iso_strip strip = {&view, &rows, factor, y0};
     if (opts->aov) iso_strip_measure(&strip, opts->aov, opts->pool);
-    p->covered += iso_shade(&opts->shading, &strip, p->image, opts->pool);
+    iso_shading shading = opts->shading;
+    if (has_outline(opts)) shading.ink = iso_outline_color(shading.background, shading.transparent);
+    p->covered += iso_shade(&shading, &strip, p->image, opts->pool);
     return ISO_OK;
 }
 

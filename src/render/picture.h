@@ -32,6 +32,9 @@ typedef enum iso_lighting { ISO_LIGHTING_PHONG, ISO_LIGHTING_EYE_DOME } iso_ligh
 /* Bytes of a gbuffer per sample (depth, normal, surface), and of the gbuffer of a strip at most. */
 enum { ISO_PICTURE_SAMPLE_BYTES = 4 * sizeof(float) + 1, ISO_PICTURE_STRIP_BYTES = 256 << 20 };
 
+/* Widest line along outlines, pixels. */
+#define ISO_OUTLINE_MOST 16.0
+
 typedef struct iso_picture_opts {
     const iso_camera *camera;
     const iso_view *view; /* NULL, or a view of width x height pixels that is used instead of the camera */

@@ -7,10 +7,6 @@
 #include "render/pullpush/pullpush.h"
 #include "render/raster/raster.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Working memory that is reused from one picture to the next. For one call at a time. */
 typedef struct iso_point_workspace iso_point_workspace;
 
@@ -41,7 +37,4 @@ typedef struct iso_point_surface_opts {
 iso_status iso_draw_point_surface(const iso_target *target, const iso_point_view *points,
                                   const iso_point_surface_opts *opts, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -120,29 +120,28 @@ static void add_vertices(const void *context, size_t span, const iso_affine *aff
     }
 }
 
-iso_box iso_bounds_of_each_vertex(const iso_mesh_view *view, const iso_affine *affine) {
-    const iso_box_items spans = {view, view->span_count, around_vertices, add_vertices};
-    return iso_box_of_items(&spans, affine);
+iso_box iso_bounds_along(const iso_scene_surface *surface, iso_part part, const iso_affine *affine) {
+    if (part == ISO_PART_CELLS) return iso_exact_bounds(surface->exact, affine);
+    if (part == ISO_PART_MESH) { /* its vertices lie in their bricks or at most two voxels beyond them */
+        const iso_mesh_view mesh = iso_mesh_set_view(surface->mesh);
+        const iso_box_items spans = {&mesh, mesh.span_count, around_vertices, add_vertices};
+        return affine ? iso_box_of_items(&spans, affine) : iso_mesh_view_bounds(&mesh);
+    }
+    const iso_point_view points = iso_scene_surface_points(surface);
+    return affine ? iso_bounds_of_each_point(&points, affine) : iso_point_view_bounds(&points);
 }
 
 iso_box iso_bounds_of_points(const iso_point_view *view) {
-    const iso_affine affine = iso_transform_affine(&view->transform);
-    if (iso_bounds_is_oblique(&view->transform)) return iso_bounds_of_each_point(view, &affine);
-    const iso_box box = iso_point_view_bounds(view);
-    return iso_box_is_empty(&box) ? box : iso_box_transform(&box, &affine);
+    const iso_scene_surface surface = {.given = view};
+    return iso_bounds_of_part(&surface, ISO_PART_POINTS);
 }
 
-iso_box iso_bounds_of_mesh(const iso_mesh_view *view) {
-    const iso_affine affine = iso_transform_affine(&view->transform);
-    if (iso_bounds_is_oblique(&view->transform)) return iso_bounds_of_each_vertex(view, &affine);
-    const iso_box box = iso_mesh_view_bounds(view);
-    return iso_box_is_empty(&box) ? box : iso_box_transform(&box, &affine);
-}
-
-iso_box iso_bounds_of_cells(const iso_exact *cells, const iso_transform *transform) {
+iso_box iso_bounds_of_part(const iso_scene_surface *surface, iso_part part) {
+    const iso_transform *transform =
+        surface->given ? &surface->given->transform : iso_grid_transform(&surface->grid);
     const iso_affine affine = iso_transform_affine(transform);
-    if (iso_bounds_is_oblique(transform)) return iso_exact_bounds(cells, &affine);
-    const iso_box box = iso_exact_bounds(cells, NULL);
+    if (iso_bounds_is_oblique(transform)) return iso_bounds_along(surface, part, &affine);
+    const iso_box box = iso_bounds_along(surface, part, NULL);
     return iso_box_is_empty(&box) ? box : iso_box_transform(&box, &affine);
 }
 

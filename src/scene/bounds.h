@@ -6,22 +6,20 @@
 #ifndef ISO_SCENE_BOUNDS_H
 #define ISO_SCENE_BOUNDS_H
 
-#include "base/primitives.h"
-#include "exact/exact.h"
+#include "scene/surface.h"
 
-/* The following functions return a world box in mm; it is empty when there are no positions. */
+/* The box of a surface's part, which exists: POINTS, MESH or CELLS. In the coordinates to which `affine` maps
+ * index coordinates, NULL: in these. Empty when there are no positions. */
+iso_box iso_bounds_along(const iso_scene_surface *surface, iso_part part, const iso_affine *affine);
+/* The same in the world, mm. The second function is for points alone. */
+iso_box iso_bounds_of_part(const iso_scene_surface *surface, iso_part part);
 iso_box iso_bounds_of_points(const iso_point_view *view);
-iso_box iso_bounds_of_mesh(const iso_mesh_view *view);
-/* `transform` is that of the grid. */
-iso_box iso_bounds_of_cells(const iso_exact *cells, const iso_transform *transform);
 
 /* Whether an axis of the volume is not parallel to an axis of the world. */
 bool iso_bounds_is_oblique(const iso_transform *transform);
 
-/* Returns the box of all positions, in the coordinates to which `affine` maps index coordinates. Meshes are
- * extracted ones: their vertices lie in their bricks or at most two voxels beyond them. */
+/* Returns the box of all positions, in the coordinates to which `affine` maps index coordinates. */
 iso_box iso_bounds_of_each_point(const iso_point_view *view, const iso_affine *affine);
-iso_box iso_bounds_of_each_vertex(const iso_mesh_view *view, const iso_affine *affine);
 
 /* How far a disc is drawn around its point, in radii. */
 #define ISO_BOUNDS_DISC_REACH 1.4

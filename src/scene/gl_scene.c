@@ -52,6 +52,19 @@ iso_status iso_gl_scene_upload(iso_gl_scene *gl, const iso_scene *scene, iso_err
     return ISO_OK;
 }
 
+uint64_t iso_gl_scene_bytes(const iso_gl_engine *engine, const iso_gl_picture *picture) {
+    const int width = picture->width, height = picture->height;
+    const iso_method family = picture->renderer->family;
+    const uint64_t shapes = picture->shapes ? iso_gl_shapes_bytes(engine, width, height) : 0;
+    if (picture->renderer->method == ISO_METHOD_SPLATS)
+        return shapes + iso_gl_groups_bytes(engine, picture->groups ? picture->groups : ISO_GROUPS_DEFAULT,
+                                            width, height);
+    if (family != ISO_METHOD_PULLPUSH && family != ISO_METHOD_DISCS && family != ISO_METHOD_SPLATS)
+        return shapes + iso_gl_draw_bytes(engine, width, height);
+    return shapes + (picture->selects ? iso_gl_selection_bytes(width, height) : 0) +
+           iso_gl_pullpush_bytes(engine, picture->renderer->discs, width, height);
+}
+
 void iso_gl_scene_free(iso_gl_scene *gl) {
     for (int i = 0; i < ISO_SURFACE_MAX; i++) {
         iso_gl_surface_destroy(gl->surfaces[i]);

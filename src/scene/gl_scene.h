@@ -23,6 +23,19 @@ typedef struct iso_gl_scene {
  * ISO_ERR_BACKEND, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_gl_scene_upload(iso_gl_scene *gl, const iso_scene *scene, iso_error *error);
 
+/* A picture, for its size in memory. */
+typedef struct iso_gl_picture {
+    const iso_renderer *renderer;
+    int width, height; /* in samples */
+    int groups;        /* of points, at most; 0: ISO_GROUPS_DEFAULT */
+    bool selects;      /* of discs, those that are not hidden are selected */
+    bool shapes;       /* there are lines or glyphs */
+} iso_gl_picture;
+
+/* Bytes of GPU memory (of main memory with a software renderer) that drawing takes, without what is uploaded.
+ */
+uint64_t iso_gl_scene_bytes(const iso_gl_engine *engine, const iso_gl_picture *picture);
+
 /* The engine of iso_scene, which borrows `gl`. It draws what was uploaded; the cpu draws meshes whose
  * triangles are to be numbered. */
 iso_scene_engine iso_gl_scene_engine(iso_gl_scene *gl);

@@ -23,7 +23,7 @@ static iso_status draw_opaque(void *context, const iso_view *view, iso_gbuffer *
     for (int i = 0; i < picture->count; i++) {
         const iso_target target = {view, gbuffer, picture->pool, (uint8_t)i, NULL};
         if (!is_opaque(&picture->surfaces[i])) continue;
-        ISO_TRY(renderer->draw(picture->surfaces[i].surface, &target, error));
+        ISO_TRY(iso_renderer_draw(renderer, picture->surfaces[i].surface, &target, error));
     }
     return picture->draw_others ? picture->draw_others(picture->others_context, view, gbuffer, error)
                                 : ISO_OK;

@@ -29,8 +29,8 @@ static iso_point_workspace *workspace_of(const iso_scene_surface *surface) {
     return surface->workspace ? surface->workspace : surface->own_workspace;
 }
 
-static iso_status draw_pyramid(const iso_scene_surface *surface, const iso_target *target,
-                               iso_reconstruction reconstruction, iso_error *error) {
+iso_status iso_draw_reconstructed(const iso_scene_surface *surface, const iso_target *target,
+                                  iso_reconstruction reconstruction, iso_error *error) {
     iso_point_view view = iso_scene_surface_points(surface);
     const iso_target to = clipped(surface, target);
     const iso_point_surface_opts opts = {.reconstruction = reconstruction,
@@ -46,35 +46,6 @@ static iso_status draw_pyramid(const iso_scene_surface *surface, const iso_targe
         if (levels->view[k].span_count) ISO_TRY(iso_draw_point_surface(&to, &levels->view[k], &opts, error));
     }
     return ISO_OK;
-}
-
-static iso_status draw_discs(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
-    return draw_pyramid(surface, target, ISO_RECONSTRUCTION_CURVED, error);
-}
-
-static iso_status draw_gaussian(const iso_scene_surface *surface, const iso_target *target,
-                                iso_error *error) {
-    return draw_pyramid(surface, target, ISO_RECONSTRUCTION_GAUSSIAN, error);
-}
-
-static iso_status draw_box(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
-    return draw_pyramid(surface, target, ISO_RECONSTRUCTION_BOX, error);
-}
-
-static iso_status draw_flat(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
-    return draw_pyramid(surface, target, ISO_RECONSTRUCTION_FLAT, error);
-}
-
-static iso_status draw_onepass(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
-    return draw_pyramid(surface, target, ISO_RECONSTRUCTION_ONEPASS, error);
-}
-
-static iso_status draw_ewa(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
-    return draw_pyramid(surface, target, ISO_RECONSTRUCTION_EWA, error);
-}
-
-static iso_status draw_mean(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
-    return draw_pyramid(surface, target, ISO_RECONSTRUCTION_MEAN, error);
 }
 
 static iso_status draw_splats(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
@@ -127,11 +98,11 @@ static const iso_renderer METHODS[] = {
     {ISO_METHOD_POINTS, "points", "attenuated points (2003)", ISO_METHOD_POINTS, NULL,
      ISO_RECONSTRUCTION_CURVED, POINTS, GBUFFER | ISO_CAN_GL, draw_points},
     {ISO_METHOD_PULLPUSH_BOX, "pullpush-box", "pull-push, equal weights (2008)", ISO_METHOD_PULLPUSH, "box",
-     ISO_RECONSTRUCTION_BOX, POINTS, PYRAMID, draw_box},
+     ISO_RECONSTRUCTION_BOX, POINTS, PYRAMID, NULL},
     {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, Gaussian weights (2008)", ISO_METHOD_PULLPUSH, "gaussian",
-     ISO_RECONSTRUCTION_GAUSSIAN, POINTS, PYRAMID, draw_gaussian},
+     ISO_RECONSTRUCTION_GAUSSIAN, POINTS, PYRAMID, NULL},
     {ISO_METHOD_DISCS, "discs", "points as curved discs", ISO_METHOD_DISCS, "curved",
-     ISO_RECONSTRUCTION_CURVED, POINTS, DISCS | ISO_CAN_GL, draw_discs},
+     ISO_RECONSTRUCTION_CURVED, POINTS, DISCS | ISO_CAN_GL, NULL},
     {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", ISO_METHOD_SPLATS, "groups",
      ISO_RECONSTRUCTION_CURVED, POINTS | GROUPS, LAYERS | ISO_CAN_GL | ISO_CAN_CLIP, draw_splats},
     {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", ISO_METHOD_MESH, NULL, ISO_RECONSTRUCTION_CURVED, MESH,
@@ -146,15 +117,15 @@ static const iso_renderer OTHERS[] = {
     {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", ISO_METHOD_HYBRID, NULL,
      ISO_RECONSTRUCTION_CURVED, POINTS | MESH, GBUFFER | ISO_CAN_PYRAMID | ISO_CAN_GL, draw_hybrid},
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_SPLATS, "flat",
-     ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | LAYERS | ISO_CAN_GL, draw_flat},
+     ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | LAYERS | ISO_CAN_GL, NULL},
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_DISCS, "flat",
-     ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | ISO_CAN_GL, draw_flat},
+     ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | ISO_CAN_GL, NULL},
     {ISO_METHOD_SPLATS_ONEPASS, "splats-onepass", "splats, front to back (2003)", ISO_METHOD_SPLATS,
-     "onepass", ISO_RECONSTRUCTION_ONEPASS, POINTS, DISCS, draw_onepass},
+     "onepass", ISO_RECONSTRUCTION_ONEPASS, POINTS, DISCS, NULL},
     {ISO_METHOD_SPLATS_EWA, "splats-ewa", "splats, EWA filter", ISO_METHOD_SPLATS, "ewa",
-     ISO_RECONSTRUCTION_EWA, POINTS, DISCS | ISO_CAN_GL, draw_ewa},
+     ISO_RECONSTRUCTION_EWA, POINTS, DISCS | ISO_CAN_GL, NULL},
     {ISO_METHOD_SPLATS_MEAN, "splats-mean", "mean of a pixel's points", ISO_METHOD_SPLATS, "mean",
-     ISO_RECONSTRUCTION_MEAN, POINTS, DISCS, draw_mean},
+     ISO_RECONSTRUCTION_MEAN, POINTS, DISCS, NULL},
 };
 
 /* A name that a method had before. */

@@ -34,10 +34,20 @@ typedef struct iso_renderer {
     iso_reconstruction discs; /* how iso_draw_point_surface draws its points; means nothing without points */
     unsigned needs;           /* bits 1 << iso_part */
     unsigned can;             /* bits iso_capability */
-    /* Draws into the target's gbuffer, like iso_draw_points. The needed parts must exist and be up to date.
-     */
+    /* As iso_renderer_draw; NULL: iso_draw_reconstructed draws, with `discs`. */
     iso_status (*draw)(const iso_scene_surface *surface, const iso_target *target, iso_error *error);
 } iso_renderer;
+
+/* Draws the points of a surface by a reconstruction. */
+iso_status iso_draw_reconstructed(const iso_scene_surface *surface, const iso_target *target,
+                                  iso_reconstruction reconstruction, iso_error *error);
+
+/* Draws into the target's gbuffer, like iso_draw_points. The needed parts must exist and be up to date. */
+static inline iso_status iso_renderer_draw(const iso_renderer *renderer, const iso_scene_surface *surface,
+                                           const iso_target *target, iso_error *error) {
+    return renderer->draw ? renderer->draw(surface, target, error)
+                          : iso_draw_reconstructed(surface, target, renderer->discs, error);
+}
 
 extern const char *const iso_filter_names[]; /* by iso_filter; then NULL */
 

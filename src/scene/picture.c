@@ -84,7 +84,7 @@ iso_status iso_scene_draw_from(const iso_scene *scene, int first, const iso_view
         tell_surface(scene, i, false);
         ISO_TRY(i < scene->placed_count ? iso_placed_draw(scene->placed, scene->renderer->method, surface,
                                                           &target, NULL, NULL, error)
-                                        : scene->renderer->draw(surface, &target, error));
+                                        : iso_renderer_draw(scene->renderer, surface, &target, error));
         tell_surface(scene, i, true);
     }
     return draw_opaque_objects(scene, &target, error);
@@ -323,8 +323,8 @@ static iso_status find_occlusion(const iso_scene *scene, iso_picture_opts *opts,
                                 &opts->occlusion, error);
 }
 
-iso_status iso_scene_render(iso_scene *scene, iso_picture_opts *opts, iso_image *image, size_t *covered,
-                            iso_error *error) {
+static iso_status render(iso_scene *scene, iso_picture_opts *opts, iso_image *image, size_t *covered,
+                         iso_error *error) {
     drawing d = {scene, opts->pool, &opts->shading};
     opts->draw = draw_all;
     opts->draw_context = &d;
@@ -336,4 +336,19 @@ iso_status iso_scene_render(iso_scene *scene, iso_picture_opts *opts, iso_image 
     if (scene->translucent) return render_layers(&d, opts, image, covered, error);
     return is_painted(scene, opts) ? paint(scene, opts, image, covered, error)
                                    : iso_picture_render(opts, image, covered, error);
+}
+
+/* Gives elements the numbers that users see. */
+static void number_elements(const iso_scene *scene, iso_aov *aov) {
+    for (int i = 0; i < scene->count; i++)
+        if (!scene->surfaces[i].surface->labels) iso_aov_unnumber(aov, (uint32_t)i + 1);
+    for (int i = 0; i < scene->object_count; i++)
+        iso_scene_object_number(scene->objects[i], (uint32_t)(scene->count + i + 1), aov);
+}
+
+iso_status iso_scene_render(iso_scene *scene, iso_picture_opts *opts, iso_image *image, size_t *covered,
+                            iso_error *error) {
+    ISO_TRY(render(scene, opts, image, covered, error));
+    if (opts->aov) number_elements(scene, opts->aov);
+    return ISO_OK;
 }

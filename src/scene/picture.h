@@ -85,8 +85,9 @@ iso_status iso_scene_draw(iso_scene *scene, const iso_view *view, iso_gbuffer *g
                           iso_error *error);
 
 /* Renders the picture. `opts`: without `draw`, `draw_context`, `begin_strip` and `layers`, which are set. One
- * exact surface is shaded while it is drawn, if nothing in `opts` prevents it, to the same pixels. Errors:
- * those of iso_picture_render; ISO_ERR_LIMIT: more than ISO_LAYERED_MAX translucent things. */
+ * exact surface is shaded while it is drawn, if nothing in `opts` prevents it, to the same pixels. Elements
+ * in `opts->aov` are numbered as in the files and arrays of objects; surfaces have none, but those of labels.
+ * Errors: those of iso_picture_render; ISO_ERR_LIMIT: more than ISO_LAYERED_MAX translucent things. */
 iso_status iso_scene_render(iso_scene *scene, iso_picture_opts *opts, iso_image *image, size_t *covered,
                             iso_error *error);
 

@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "grids/change_log.h"
+#include "render/groups/copies.h"
 #include "render/groups/coverage.h"
 #include "render/groups/disc_layers.h"
 
@@ -118,11 +119,20 @@ static iso_status update_groups(iso_scene_surface *surface, iso_error *error) {
     surface->groups_edit = now;
     surface->grouped_for = surface->transparency;
     const iso_point_view view = iso_scene_surface_points(surface);
-    const iso_groups_opts opts =
+    const iso_grouping *given = &surface->grouping;
+    iso_groups_opts opts =
         sorted ? iso_groups_default_opts(surface->pool) : iso_splat_layers_grouping(surface->pool);
-    ISO_TRY(iso_groups_update(&view, &opts, &surface->groups, error));
-    if (sorted) return ISO_OK;
-    const iso_status status = iso_groups_cover(&view, opts.disc, surface->pool, &surface->groups, error);
+    if (given->limit) opts.limit = given->limit;
+    opts.overlap = given->overlap;
+    opts.ignore_opposite = given->ignore_opposite;
+    opts.coplanar = given->coplanar;
+    ISO_TRY(surface->given || given->once ? iso_groups_make(&view, &opts, &surface->groups, error)
+                                          : iso_groups_update(&view, &opts, &surface->groups, error));
+    if (sorted || given->radii == ISO_GROUP_RADII_ROOT) return ISO_OK;
+    const iso_status status =
+        given->radii == ISO_GROUP_RADII_COPIES
+            ? iso_groups_copy(&view, opts.disc, surface->pool, &surface->groups, error)
+            : iso_groups_cover(&view, opts.disc, surface->pool, &surface->groups, error);
     if (status != ISO_OK) iso_groups_free(&surface->groups); /* they are made again */
     return status;
 }

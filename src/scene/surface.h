@@ -17,10 +17,6 @@
 #include "render/selection/lod_cut.h"
 #include "truth/raycast.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef enum iso_part {
     ISO_PART_POINTS,
     ISO_PART_MESH,
@@ -29,6 +25,22 @@ typedef enum iso_part {
     ISO_PART_GROUPS, /* groups of the points, for the method splats */
     ISO_PART_COUNT
 } iso_part;
+
+/* How groups of points cover the surface when translucent ones are composited by GROUPS or NEAREST. */
+typedef enum iso_group_radii {
+    ISO_GROUP_RADII_COVERAGE, /* by larger radii, which are measured (render/groups/coverage.h) */
+    ISO_GROUP_RADII_ROOT,     /* by radii as large as the root of the number of groups */
+    ISO_GROUP_RADII_COPIES    /* by copies of discs of other groups (render/groups/copies.h) */
+} iso_group_radii;
+
+/* How points are divided into groups: as in iso_groups_opts, 0 where that is the usual. */
+typedef struct iso_grouping {
+    int limit;
+    double overlap, coplanar;
+    bool ignore_opposite;
+    bool once; /* the points will not change, which takes less memory */
+    iso_group_radii radii;
+} iso_grouping;
 
 /* An isosurface and its parts. The caller sets the members before `points` (the grid, pool and workspace are
  * borrowed) and zeroes the rest; iso_scene_surface_free frees the parts. */
@@ -44,6 +56,7 @@ typedef struct iso_scene_surface {
     bool bounded, flat, floats;
     const iso_point_view *given;
     iso_transparency transparency; /* what the groups are for; SORTED: also for opaque pictures */
+    iso_grouping grouping;
     int bins;                      /* for the method splats: iso_draw_groups_opts.bins */
     iso_point_selection selection; /* for the methods that draw discs */
     const iso_clip *clip;          /* what is cut away in pictures (ISO_CAN_CLIP); borrowed; NULL: nothing */
@@ -112,7 +125,4 @@ iso_part_size iso_scene_surface_size(const iso_scene_surface *surface, iso_part 
 /* Returns the points to draw: the given ones, else the extracted ones. */
 iso_point_view iso_scene_surface_points(const iso_scene_surface *surface);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -11,10 +11,6 @@
 #include "grids/labels/labels.h"
 #include "source/source.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Replaces input->label by the label's number, which is written to `number`: the number itself, or that of
  * the only name in input->label_table, else in the file (a .seg.nrrd, whose layer becomes input->component),
  * that it matches in either case, with * for anything. ISO_ERR_USAGE: no such name, or several; errors of
@@ -47,7 +43,4 @@ iso_status iso_source_label_write(const char *strokes, const iso_journal_start *
                                   const iso_hgrid *now, FILE *stream, const iso_progress *progress,
                                   iso_label_changes *changes, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

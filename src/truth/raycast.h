@@ -11,10 +11,6 @@
 #include "grids/spline/spline.h"
 #include "render/raster/raster.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Knows which bricks of a grid the surface may cross, so that rays can skip the others. Borrows the grid. It
  * does not follow edits: after an edit, destroy it and create another one. */
 typedef struct iso_raycaster iso_raycaster;
@@ -31,7 +27,4 @@ void iso_raycaster_destroy(iso_raycaster *caster);
 /* Draws into a gbuffer: replaces the samples that are farther than the surface. Cannot fail. */
 iso_status iso_draw_raycast(const iso_target *target, const iso_raycaster *caster, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

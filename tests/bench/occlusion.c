@@ -7,8 +7,8 @@
 
 #include "base/clock.h"
 #include "grids/volume/volume.h"
+#include "occlusion_truth.h"
 #include "scene/picture.h"
-#include "truth/occlusion_truth.h"
 
 enum { SIDE = 1024, RAYS = 512, PLACES = 1500, FRAMES = 7 };
 

@@ -88,7 +88,7 @@ static iso_status draw(void *context, const iso_view *view, iso_gbuffer *gbuffer
     const drawing *d = context;
     for (int i = 0; i < d->surfaces; i++) {
         const iso_target target = {view, gbuffer, d->surface->pool, (uint8_t)i, NULL};
-        ISO_TRY(d->method->draw(&d->surface->surfaces[i], &target, error));
+        ISO_TRY(iso_renderer_draw(d->method, &d->surface->surfaces[i], &target, error));
     }
     return ISO_OK;
 }

@@ -2,7 +2,7 @@
 #ifndef ISO_TESTS_SHAPES_SUPPORT_H
 #define ISO_TESTS_SHAPES_SUPPORT_H
 
-#include "truth/shapes_truth.h"
+#include "shapes_truth.h"
 
 /* A view of the surroundings of `origin` from `away`, in which `height` mm at the origin fill the picture. */
 iso_view test_shapes_view(iso_vec3 origin, iso_vec3 away, double height, bool parallel);

@@ -11,10 +11,6 @@
 #include "grids/grid.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Computes the histogram of a grid, without padding. A value is padding if more than half of the voxels on
  * the volume's six faces have it and it is the minimum or the maximum of the data. All voxels with exactly
  * this value are left out, unless all others have a single value (a binary volume keeps both values).
@@ -53,7 +49,4 @@ size_t iso_isovalue_suggest(const iso_grid *grid, const iso_histogram *histogram
  * stores no distances there; the message says how wide the band is. Other grids pass. */
 iso_status iso_isovalue_check(const iso_grid *grid, double isovalue, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

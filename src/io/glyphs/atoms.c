@@ -32,15 +32,12 @@ void iso_atoms_end(const iso_atoms *atoms) {
     reading->report->unit = ISO_WORLD_UNIT_ANGSTROM;
 }
 
-iso_status iso_atoms_read(iso_reading *reading,
+iso_status iso_atoms_read(iso_polydata *data,
                           iso_status (*read)(iso_cube_file *file, iso_polydata *data, iso_error *error),
-                          iso_glyphs *glyphs, iso_error *error) {
-    iso_polydata data = {.reading = reading};
-    iso_cube_file file = {.path = reading->path};
-    ISO_TRY(iso_file_open(reading->path, &file.stream, NULL, error));
-    iso_status status = read(&file, &data, error);
-    if (status == ISO_OK) status = iso_polydata_to_glyphs(&data, glyphs, error);
+                          iso_error *error) {
+    iso_cube_file file = {.path = data->reading->path};
+    ISO_TRY(iso_file_open(file.path, &file.stream, NULL, error));
+    const iso_status status = read(&file, data, error);
     fclose(file.stream);
-    iso_polydata_free(&data);
     return status;
 }

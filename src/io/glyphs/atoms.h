@@ -21,8 +21,8 @@ void iso_atoms_add(iso_atoms *atoms, int element, const double position[3]);
 void iso_atoms_end(const iso_atoms *atoms);
 
 /* Reads a file of a volume whose header has atoms: `read` takes them from its lines. */
-iso_status iso_atoms_read(iso_reading *reading,
+iso_status iso_atoms_read(iso_polydata *data,
                           iso_status (*read)(iso_cube_file *file, iso_polydata *data, iso_error *error),
-                          iso_glyphs *glyphs, iso_error *error);
+                          iso_error *error);
 
 #endif

@@ -5,7 +5,6 @@
 #include "grids/volume/chgcar_header.h"
 #include "io/glyphs/atoms.h"
 #include "io/glyphs/elements.h"
-#include "io/glyphs/glyphs_format.h"
 
 static iso_status read_atom(iso_cube_file *f, const iso_chgcar_header *header, int kind, iso_atoms *atoms,
                             iso_error *error) {
@@ -36,6 +35,6 @@ static iso_status read_atoms(iso_cube_file *f, iso_polydata *data, iso_error *er
     return ISO_OK;
 }
 
-iso_status iso_glyphs_read_chgcar(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
-    return iso_atoms_read(reading, read_atoms, glyphs, error);
+iso_status iso_polydata_read_chgcar(iso_polydata *data, iso_error *error) {
+    return iso_atoms_read(data, read_atoms, error);
 }

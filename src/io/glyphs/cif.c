@@ -12,7 +12,6 @@
 #include "base/parse.h"
 #include "io/glyphs/atoms.h"
 #include "io/glyphs/elements.h"
-#include "io/glyphs/glyphs_format.h"
 
 /* A word, a quoted text or a text of several lines; in the text that was loaded. */
 typedef struct cif_token {
@@ -332,15 +331,12 @@ static iso_status read_cif(cif *c, iso_buffer *text, iso_buffer *firsts, iso_pol
     return make_glyphs(c, data, error);
 }
 
-iso_status iso_glyphs_read_cif(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
-    cif c = {.reading = reading};
+iso_status iso_polydata_read_cif(iso_polydata *data, iso_error *error) {
+    cif c = {.reading = data->reading};
     iso_buffer text = {0}, firsts = {0};
-    iso_polydata data = {.reading = reading};
-    iso_status status = read_cif(&c, &text, &firsts, &data, error);
-    if (status == ISO_OK) status = iso_polydata_to_glyphs(&data, glyphs, error);
-    iso_polydata_free(&data);
-    iso_reading_free(reading, &c.buffer);
-    iso_reading_free(reading, &firsts);
-    iso_reading_free(reading, &text);
+    const iso_status status = read_cif(&c, &text, &firsts, data, error);
+    iso_reading_free(data->reading, &c.buffer);
+    iso_reading_free(data->reading, &firsts);
+    iso_reading_free(data->reading, &text);
     return status;
 }

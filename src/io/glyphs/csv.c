@@ -8,7 +8,6 @@
 #include <strings.h>
 
 #include "io/common/rows.h"
-#include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/point_columns.h"
 #include "io/polydata/polydata.h"
 
@@ -23,7 +22,7 @@ typedef struct dictionary {
 
 typedef struct csv {
     iso_text_rows rows;
-    iso_polydata data;
+    iso_polydata *data;
     char separator;
     int columns;
     char *cells[COLUMNS]; /* the cells of a row */
@@ -69,10 +68,10 @@ static void find_words(csv *c) {
 static iso_status take_row(csv *c, char *row, iso_error *error) {
     if (split_row(c, row) != c->columns)
         return iso_text_rows_fail(&c->rows, "not as many values as there are names", error);
-    if (c->data.point_count == 0) find_words(c);
-    ISO_TRY(iso_polydata_reserve(&c->data, c->data.point_count + 1, error));
+    if (c->data->point_count == 0) find_words(c);
+    ISO_TRY(iso_polydata_reserve(c->data, c->data->point_count + 1, error));
     for (int i = 0; i < c->columns; i++) c->numbers[i] = parse_cell(c, i);
-    iso_polydata_add_row(&c->data, c->slots, c->numbers, c->columns);
+    iso_polydata_add_row(c->data, c->slots, c->numbers, c->columns);
     return ISO_OK;
 }
 
@@ -80,7 +79,7 @@ static void note_words(csv *c) {
     for (int i = 0; i < c->columns; i++) {
         const dictionary *words = &c->dictionaries[i];
         if (!words->used) continue;
-        iso_reading_note(c->data.reading, "column %d has words: '%.40s' is 0%s%.40s%s%s", i + 1,
+        iso_reading_note(c->data->reading, "column %d has words: '%.40s' is 0%s%.40s%s%s", i + 1,
                          words->words[0], words->count > 1 ? ", '" : "",
                          words->count > 1 ? words->words[1] : "", words->count > 1 ? "' is 1" : "",
                          words->count > 2 ? ", .." : "");
@@ -93,13 +92,12 @@ static iso_status take_names(csv *c, char **row, iso_error *error) {
     double number;
     c->separator = iso_row_separator(*row);
     if (!c->separator) c->separator = ',';
-    if (!c->data.reading->opts.columns) {
+    if (!c->data->reading->opts.columns) {
         c->columns = split_row(c, *row);
         *row = iso_text_rows_next(&c->rows);
-        return iso_polydata_name_columns(&c->data, (const char *const *)c->cells, c->columns, c->slots,
-                                         error);
+        return iso_polydata_name_columns(c->data, (const char *const *)c->cells, c->columns, c->slots, error);
     }
-    ISO_TRY(iso_point_columns_given(&c->data, c->slots, &c->columns, error));
+    ISO_TRY(iso_point_columns_given(c->data, c->slots, &c->columns, error));
     char *cell = *row, separators[2] = {c->separator, 0};
     if (!iso_row_number(&cell, separators, &number)) *row = iso_text_rows_next(&c->rows);
     return ISO_OK;
@@ -109,25 +107,24 @@ static bool is_empty(const char *row) {
     return row[strspn(row, " \t")] == 0;
 }
 
-static iso_status read_csv(csv *c, iso_glyphs *glyphs, iso_error *error) {
-    ISO_TRY(iso_text_rows_load(c->data.reading, &c->rows, error));
+static iso_status read_csv(csv *c, iso_error *error) {
+    ISO_TRY(iso_text_rows_load(c->data->reading, &c->rows, error));
     char *row = iso_text_rows_next(&c->rows);
     if (!row) return iso_fail(error, ISO_ERR_FORMAT, "%s: the file is empty", c->rows.reading->path);
     ISO_TRY(take_names(c, &row, error));
     for (; row; row = iso_text_rows_next(&c->rows))
         if (!is_empty(row)) ISO_TRY(take_row(c, row, error));
     note_words(c);
-    iso_polydata_scale_colors(&c->data, true);
-    return iso_polydata_to_glyphs(&c->data, glyphs, error);
+    iso_polydata_scale_colors(c->data, true);
+    return ISO_OK;
 }
 
-iso_status iso_glyphs_read_csv(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
+iso_status iso_polydata_read_csv(iso_polydata *data, iso_error *error) {
     csv *c = iso_alloc_zero(1, sizeof *c);
-    if (!c) return iso_fail_memory(error, reading->path);
-    c->data.reading = reading;
-    iso_status status = read_csv(c, glyphs, error);
+    if (!c) return iso_fail_memory(error, data->reading->path);
+    c->data = data;
+    const iso_status status = read_csv(c, error);
     iso_text_rows_free(&c->rows);
-    iso_polydata_free(&c->data);
     iso_free(c);
     return status;
 }

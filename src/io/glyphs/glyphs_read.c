@@ -8,14 +8,14 @@
 #include "base/memory.h"
 #include "io/common/encode.h"
 #include "io/common/ply.h"
-#include "io/glyphs/glyphs_format.h"
 #include "io/polydata/ply_gaussians.h"
+#include "io/polydata/polydata.h"
 
-typedef iso_status read_fn(iso_reading *reading, iso_glyphs *glyphs, iso_error *error);
+typedef iso_status read_fn(iso_polydata *data, iso_error *error);
 
 static read_fn *reader_of(iso_file_type type) {
     switch (type) {
-#define GLYPHS(reader) return iso_glyphs_read_##reader;
+#define GLYPHS(reader) return iso_polydata_read_##reader;
 #include "base/file_types.inc"
     default:
         break;
@@ -27,10 +27,13 @@ iso_status iso_glyphs_read(const char *path, const iso_read_opts *opts, iso_glyp
                            iso_error *error) {
     iso_read_report unused;
     iso_reading reading = iso_reading_begin(path, opts, &unused);
+    iso_polydata data = {.reading = &reading, .points_only = true};
     iso_file_type type;
     ISO_TRY(iso_reading_find_type(&reading, ISO_HOLDS_GLYPHS, "glyphs", &type, error));
     void *numbers = iso_decimal_point_begin();
-    iso_status status = reader_of(type)(&reading, glyphs, error);
+    iso_status status = reader_of(type)(&data, error);
+    if (status == ISO_OK) status = iso_polydata_to_glyphs(&data, glyphs, error);
+    iso_polydata_free(&data);
     iso_decimal_point_end(numbers);
     return status;
 }

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "grids/volume/scalar_load.h"
-#include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/las_blocks.h"
 #include "io/polydata/records.h"
 
@@ -21,7 +20,7 @@ static const struct {
                       {30, 22, 0}, {36, 22, 30}, {38, 22, 30}, {59, 22, 0},  {67, 22, 30}};
 
 typedef struct las {
-    iso_polydata data;
+    iso_polydata *data;
     iso_stream in;
     unsigned char header[HEADER_14]; /* zero behind its end */
     int format;
@@ -33,7 +32,7 @@ typedef struct las {
 } las;
 
 static const char *path_of(const las *l) {
-    return l->data.reading->path;
+    return l->data->reading->path;
 }
 
 /* ---- the header */
@@ -104,7 +103,7 @@ static iso_record_field *add_field(las *l, iso_slot slot, iso_scalar scalar, siz
 static iso_status add_number(las *l, const char *name, iso_scalar scalar, size_t offset, uint8_t mask,
                              iso_error *error) {
     iso_slot slot = {0, 0};
-    ISO_TRY(iso_polydata_add_column(&l->data, name, 1, false, ISO_ROLE_NONE, &slot.column, error));
+    ISO_TRY(iso_polydata_add_column(l->data, name, 1, false, ISO_ROLE_NONE, &slot.column, error));
     add_field(l, slot, scalar, offset)->mask = mask;
     return ISO_OK;
 }
@@ -116,13 +115,13 @@ static iso_status add_time(las *l, size_t offset, iso_error *error) {
         floor(iso_scalar_load(l->in.buffer + l->in.place + offset, ISO_SCALAR_DOUBLE, false));
     if (!(first > 0 && first < 1e15)) return ISO_OK;
     l->fields[l->field_count - 1].shift = -first;
-    iso_reading_note(l->data.reading, "gps_time is counted from %.0f", first);
+    iso_reading_note(l->data->reading, "gps_time is counted from %.0f", first);
     return ISO_OK;
 }
 
 static iso_status add_color(las *l, size_t offset, iso_error *error) {
     int column;
-    ISO_TRY(iso_polydata_add_column(&l->data, "colors", 3, false, ISO_ROLE_COLOR, &column, error));
+    ISO_TRY(iso_polydata_add_column(l->data, "colors", 3, false, ISO_ROLE_COLOR, &column, error));
     for (int k = 0; k < 3; k++)
         add_field(l, (iso_slot){column, k}, ISO_SCALAR_UINT16, offset + 2 * (size_t)k);
     return ISO_OK;
@@ -136,8 +135,8 @@ static iso_status add_extras(las *l, iso_error *error) {
         int column;
         if (extra->bytes > l->record - offset) break;
         if (extra->count)
-            ISO_TRY(iso_polydata_add_column(&l->data, extra->name, extra->count, false, ISO_ROLE_NONE,
-                                            &column, error));
+            ISO_TRY(iso_polydata_add_column(l->data, extra->name, extra->count, false, ISO_ROLE_NONE, &column,
+                                            error));
         for (int k = 0; k < extra->count; k++) {
             iso_record_field *field = add_field(l, (iso_slot){column, k}, extra->scalar,
                                                 offset + (size_t)k * iso_scalar_size(extra->scalar));
@@ -170,14 +169,14 @@ static iso_status add_fields(las *l, iso_error *error) {
 }
 
 static void take_unit(las *l) {
-    l->data.reading->report->unit = l->blocks.unit;
+    l->data->reading->report->unit = l->blocks.unit;
     if (l->blocks.unit == ISO_WORLD_UNIT_DEGREE)
-        iso_reading_note(l->data.reading,
+        iso_reading_note(l->data->reading,
                          "its x and y are degrees of longitude and latitude, and z is a height: "
                          "shapes are distorted, project them first");
 }
 
-static iso_status read_las(las *l, iso_glyphs *glyphs, iso_error *error) {
+static iso_status read_las(las *l, iso_error *error) {
     ISO_TRY(iso_stream_open(path_of(l), &l->in, error));
     ISO_TRY(read_header(l, error));
     ISO_TRY(iso_las_blocks_read(&l->blocks, &l->in, l->block_count,
@@ -185,19 +184,18 @@ static iso_status read_las(las *l, iso_glyphs *glyphs, iso_error *error) {
     ISO_TRY(check_format(l, error));
     take_unit(l);
     ISO_TRY(add_fields(l, error));
-    ISO_TRY(iso_polydata_stream_records(&l->data, l->fields, l->field_count, &l->in, l->record, l->points,
-                                        error));
-    iso_polydata_scale_colors(&l->data, false);
-    return iso_polydata_to_glyphs(&l->data, glyphs, error);
+    ISO_TRY(
+        iso_polydata_stream_records(l->data, l->fields, l->field_count, &l->in, l->record, l->points, error));
+    iso_polydata_scale_colors(l->data, false);
+    return ISO_OK;
 }
 
-iso_status iso_glyphs_read_las(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
+iso_status iso_polydata_read_las(iso_polydata *data, iso_error *error) {
     las *l = iso_alloc_zero(1, sizeof *l);
-    if (!l) return iso_fail_memory(error, reading->path);
-    l->data.reading = reading;
-    iso_status status = read_las(l, glyphs, error);
+    if (!l) return iso_fail_memory(error, data->reading->path);
+    l->data = data;
+    const iso_status status = read_las(l, error);
     iso_stream_close(&l->in);
-    iso_polydata_free(&l->data);
     iso_free(l);
     return status;
 }

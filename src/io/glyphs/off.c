@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/point_rows.h"
 #include "io/polydata/faces.h"
 
@@ -134,13 +133,5 @@ iso_status iso_polydata_read_off(iso_polydata *data, iso_error *error) {
     const iso_status status = read_off(&o, error);
     iso_text_rows_free(&o.rows);
     iso_faces_free(data->reading, &own);
-    return status;
-}
-
-iso_status iso_glyphs_read_off(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
-    iso_polydata data = {.reading = reading, .points_only = true};
-    iso_status status = iso_polydata_read_off(&data, error);
-    if (status == ISO_OK) status = iso_polydata_to_glyphs(&data, glyphs, error);
-    iso_polydata_free(&data);
     return status;
 }

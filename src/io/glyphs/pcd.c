@@ -10,7 +10,6 @@
 #include <strings.h>
 
 #include "io/common/rows.h"
-#include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/lzf.h"
 #include "io/polydata/records.h"
 
@@ -30,7 +29,7 @@ typedef struct pcd_field {
 typedef enum pcd_encoding { PCD_ASCII, PCD_BINARY, PCD_COMPRESSED } pcd_encoding;
 
 typedef struct pcd {
-    iso_polydata data;
+    iso_polydata *data;
     iso_stream in;
     iso_text_rows rows; /* ASCII */
     char line[LINE];
@@ -47,7 +46,7 @@ typedef struct pcd {
 } pcd;
 
 static const char *path_of(const pcd *p) {
-    return p->data.reading->path;
+    return p->data->reading->path;
 }
 
 /* ---- the header */
@@ -212,13 +211,13 @@ static iso_status name_fields(pcd *p, iso_error *error) {
         const pcd_field *field = &p->fields[i];
         names[i] = field->count > 1 || field->packed || is_padding(field) ? NULL : field->name;
     }
-    ISO_TRY(iso_polydata_name_columns(&p->data, names, p->field_count, slots, error));
+    ISO_TRY(iso_polydata_name_columns(p->data, names, p->field_count, slots, error));
     for (int i = 0; i < p->field_count; i++) {
         pcd_field *field = &p->fields[i];
         field->slot = slots[i];
         if (names[i] || is_padding(field)) continue;
         ISO_TRY(iso_polydata_add_column(
-            &p->data, field->packed ? "colors" : field->name, field->packed ? 3 : field->count, false,
+            p->data, field->packed ? "colors" : field->name, field->packed ? 3 : field->count, false,
             field->packed ? ISO_ROLE_COLOR : ISO_ROLE_NONE, &field->slot.column, error));
         field->slot.component = 0;
     }
@@ -257,14 +256,14 @@ static void add_binary_numbers(pcd *p, bool together) {
         add_numbers(p, field, field->scalar, field->offset * (together ? (size_t)p->points : 1), size,
                     together ? size * (size_t)field->count : p->record);
         if (field->slot.column == ISO_SLOT_POINT && field->scalar != ISO_SCALAR_FLOAT)
-            p->data.keep_floats = false;
+            p->data->keep_floats = false;
     }
 }
 
 static iso_status read_binary(pcd *p, iso_error *error) {
-    p->data.keep_floats = true;
+    p->data->keep_floats = true;
     add_binary_numbers(p, false);
-    return iso_polydata_stream_records(&p->data, p->numbers, p->used, &p->in, p->record, p->points, error);
+    return iso_polydata_stream_records(p->data, p->numbers, p->used, &p->in, p->record, p->points, error);
 }
 
 /* Reads two sizes in bytes: of the compressed data, and of what it is decompressed to. */
@@ -286,8 +285,8 @@ static iso_status read_sizes(pcd *p, size_t sizes[2], iso_error *error) {
 static iso_status decompress(pcd *p, iso_buffer *compressed, iso_buffer *bytes, iso_error *error) {
     size_t sizes[2] = {0};
     ISO_TRY(read_sizes(p, sizes, error));
-    ISO_TRY(iso_reading_reserve(p->data.reading, compressed, sizes[0] + 1, 1, 0, error));
-    ISO_TRY(iso_reading_reserve(p->data.reading, bytes, sizes[1] + 1, 1, 0, error));
+    ISO_TRY(iso_reading_reserve(p->data->reading, compressed, sizes[0] + 1, 1, 0, error));
+    ISO_TRY(iso_reading_reserve(p->data->reading, bytes, sizes[1] + 1, 1, 0, error));
     ISO_TRY(iso_stream_read(&p->in, compressed->data, sizes[0], error));
     if (!iso_lzf_decompress(compressed->data, sizes[0], bytes->data, sizes[1]))
         return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: its data cannot be decompressed", path_of(p));
@@ -296,15 +295,15 @@ static iso_status decompress(pcd *p, iso_buffer *compressed, iso_buffer *bytes, 
 
 static iso_status read_compressed(pcd *p, iso_error *error) {
     iso_buffer compressed = {0}, bytes = {0};
-    p->data.keep_floats = true;
+    p->data->keep_floats = true;
     iso_status status = p->points ? decompress(p, &compressed, &bytes, error) : ISO_OK;
-    iso_reading_free(p->data.reading, &compressed);
-    if (status == ISO_OK) status = iso_polydata_reserve(&p->data, (size_t)p->points, error);
+    iso_reading_free(p->data->reading, &compressed);
+    if (status == ISO_OK) status = iso_polydata_reserve(p->data, (size_t)p->points, error);
     if (status == ISO_OK && p->points) {
         add_binary_numbers(p, true);
-        iso_polydata_add_records(&p->data, p->numbers, p->used, bytes.data, (size_t)p->points);
+        iso_polydata_add_records(p->data, p->numbers, p->used, bytes.data, (size_t)p->points);
     }
-    iso_reading_free(p->data.reading, &bytes);
+    iso_reading_free(p->data->reading, &bytes);
     return status;
 }
 
@@ -344,7 +343,7 @@ static iso_status read_row(pcd *p, double *numbers, iso_error *error) {
 /* Rows become records of doubles: text can be more precise than the type that the header states. */
 static iso_status read_ascii(pcd *p, iso_error *error) {
     double numbers[NUMBERS];
-    ISO_TRY(iso_text_rows_load(p->data.reading, &p->rows, error));
+    ISO_TRY(iso_text_rows_load(p->data->reading, &p->rows, error));
     const size_t left = p->header_bytes < (size_t)(p->rows.end - p->rows.at)
                             ? (size_t)(p->rows.end - p->rows.at) - p->header_bytes
                             : 0;
@@ -356,10 +355,10 @@ static iso_status read_ascii(pcd *p, iso_error *error) {
     if (p->points > (left + 1) / 2 / (size_t)p->number_count)
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: its header promises %llu points", path_of(p),
                         (unsigned long long)p->points);
-    ISO_TRY(iso_polydata_reserve(&p->data, (size_t)p->points, error));
+    ISO_TRY(iso_polydata_reserve(p->data, (size_t)p->points, error));
     for (uint64_t i = 0; i < p->points; i++) {
         ISO_TRY(read_row(p, numbers, error));
-        iso_polydata_add_records(&p->data, p->numbers, p->used, (const unsigned char *)numbers, 1);
+        iso_polydata_add_records(p->data, p->numbers, p->used, (const unsigned char *)numbers, 1);
     }
     return ISO_OK;
 }
@@ -371,10 +370,10 @@ static void note_viewpoint(pcd *p) {
     bool same = true;
     for (int k = 0; k < 7; k++) same = same && p->viewpoint[k] == identity[k];
     if (!same)
-        iso_reading_note(p->data.reading, "its VIEWPOINT is not applied: points are in the sensor's frame");
+        iso_reading_note(p->data->reading, "its VIEWPOINT is not applied: points are in the sensor's frame");
 }
 
-static iso_status read_pcd(pcd *p, iso_glyphs *glyphs, iso_error *error) {
+static iso_status read_pcd(pcd *p, iso_error *error) {
     static iso_status (*const readers[])(pcd * p, iso_error * error) = {read_ascii, read_binary,
                                                                         read_compressed};
     ISO_TRY(iso_stream_open(path_of(p), &p->in, error));
@@ -385,19 +384,18 @@ static iso_status read_pcd(pcd *p, iso_glyphs *glyphs, iso_error *error) {
     ISO_TRY(readers[p->encoding](p, error));
     note_viewpoint(p);
     for (int i = 0; i < p->field_count; i++)
-        if (p->fields[i].packed) return iso_polydata_to_glyphs(&p->data, glyphs, error);
-    iso_polydata_scale_colors(&p->data, true);
-    return iso_polydata_to_glyphs(&p->data, glyphs, error);
+        if (p->fields[i].packed) return ISO_OK;
+    iso_polydata_scale_colors(p->data, true);
+    return ISO_OK;
 }
 
-iso_status iso_glyphs_read_pcd(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
+iso_status iso_polydata_read_pcd(iso_polydata *data, iso_error *error) {
     pcd *p = iso_alloc_zero(1, sizeof *p);
-    if (!p) return iso_fail_memory(error, reading->path);
-    p->data.reading = reading;
-    iso_status status = read_pcd(p, glyphs, error);
+    if (!p) return iso_fail_memory(error, data->reading->path);
+    p->data = data;
+    const iso_status status = read_pcd(p, error);
     iso_stream_close(&p->in);
     iso_text_rows_free(&p->rows);
-    iso_polydata_free(&p->data);
     iso_free(p);
     return status;
 }

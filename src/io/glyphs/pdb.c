@@ -19,8 +19,8 @@
 
 #include "io/common/rows.h"
 #include "io/glyphs/assembly.h"
+#include "io/glyphs/atoms.h"
 #include "io/glyphs/elements.h"
-#include "io/glyphs/glyphs_format.h"
 
 /* First characters of columns, from 0. */
 enum {
@@ -51,6 +51,7 @@ typedef struct atom {
 enum { CHAIN, TEMPERATURE, COPY, COLUMNS };
 
 typedef struct pdb {
+    iso_polydata *data;
     iso_reading *reading;
     iso_text_rows rows;
     iso_buffer atom_buffer;
@@ -60,8 +61,6 @@ typedef struct pdb {
     int chain_numbers[256];       /* by the character of the chain; 0: the chain has not appeared yet */
     int chains;
     iso_assembly assembly;
-    iso_buffer positions, radii, colors;
-    iso_column columns[COLUMNS];
 } pdb;
 
 /* ---- atoms */
@@ -160,12 +159,7 @@ static iso_status take_atom(pdb *p, const char *row, iso_error *error) {
         a.temperature = (float)temperature;
     a.chain = chain_of(p, padded[AT_CHAIN]);
     p->unknown += a.element == 0;
-    p->reading->report->items++;
-    const iso_vec3 place = iso_vec3_make(a.position[0], a.position[1], a.position[2]);
-    if (!(iso_vec3_length(place) <= ISO_FARTHEST))
-        p->reading->report->dropped++;
-    else
-        p->atoms[p->count++] = a;
+    p->atoms[p->count++] = a;
     return ISO_OK;
 }
 
@@ -235,19 +229,6 @@ static size_t count_atoms(const pdb *p, const iso_assembly_copy *copy) {
     return count;
 }
 
-static iso_status reserve_glyphs(pdb *p, size_t count, bool copies, iso_error *error) {
-    static const char *const names[COLUMNS] = {"chain", "temperature", "copy"};
-    ISO_TRY(iso_reading_reserve(p->reading, &p->positions, count + 1, 3 * sizeof(float), 0, error));
-    ISO_TRY(iso_reading_reserve(p->reading, &p->radii, count + 1, sizeof(float), 0, error));
-    ISO_TRY(iso_reading_reserve(p->reading, &p->colors, count + 1, 3, 0, error));
-    for (int i = 0; i < COLUMNS - !copies; i++) {
-        p->columns[i].components = 1;
-        strcpy(p->columns[i].name, names[i]);
-        ISO_TRY(iso_reading_reserve(p->reading, &p->columns[i].values, count + 1, sizeof(float), 0, error));
-    }
-    return ISO_OK;
-}
-
 static void move_atom(const iso_assembly_copy *copy, const atom *a, double world[3]) {
     for (int row = 0; row < 3; row++) {
         const double *m = copy->matrix + 4 * row;
@@ -255,34 +236,22 @@ static void move_atom(const iso_assembly_copy *copy, const atom *a, double world
     }
 }
 
-/* Writes atom a of copy `number` as glyph `to`. */
-static void write_glyph(pdb *p, const atom *a, const iso_assembly_copy *copy, size_t number, iso_vec3 origin,
-                        size_t to) {
-    float *position = (float *)p->positions.data + 3 * to;
-    double world[3];
-    move_atom(copy, a, world);
-    position[0] = (float)(world[0] - origin.x);
-    position[1] = (float)(world[1] - origin.y);
-    position[2] = (float)(world[2] - origin.z);
-    ((float *)p->radii.data)[to] = iso_element_radius(a->element);
-    iso_element_color(a->element, (uint8_t *)p->colors.data + 3 * to);
-    ((float *)p->columns[CHAIN].values.data)[to] = a->chain;
-    ((float *)p->columns[TEMPERATURE].values.data)[to] = a->temperature;
-    if (p->columns[COPY].values.data) ((float *)p->columns[COPY].values.data)[to] = (float)number;
-}
-
-static size_t write_copy(pdb *p, const iso_assembly_copy *copy, size_t number, iso_vec3 origin, size_t to) {
+/* Adds the atoms of copy `number`; columns: where the attributes go, COPY only if there are several. */
+static void add_copy(const pdb *p, const iso_assembly_copy *copy, size_t number,
+                     float *const columns[COLUMNS], iso_atoms *atoms) {
     for (size_t i = 0; i < p->count; i++) {
         const atom *a = &p->atoms[i];
-        if (copy->chains[(unsigned char)a->residue[AT_CHAIN - AT_RESIDUE]])
-            write_glyph(p, a, copy, number, origin, to++);
+        double world[3];
+        if (!copy->chains[(unsigned char)a->residue[AT_CHAIN - AT_RESIDUE]]) continue;
+        columns[CHAIN][atoms->count] = a->chain;
+        columns[TEMPERATURE][atoms->count] = a->temperature;
+        if (columns[COPY]) columns[COPY][atoms->count] = (float)number;
+        move_atom(copy, a, world);
+        iso_atoms_add(atoms, a->element, world);
     }
-    return to;
 }
 
 static void note_oddities(pdb *p, size_t made) {
-    if (p->unknown)
-        iso_reading_note(p->reading, "%llu atoms are of unknown elements", (unsigned long long)p->unknown);
     if (p->alternates)
         iso_reading_note(p->reading, "%llu alternate locations are left out",
                          (unsigned long long)p->alternates);
@@ -294,35 +263,23 @@ static void note_oddities(pdb *p, size_t made) {
                          p->count - made);
 }
 
-/* Converts the matrices of the copies from RAS to LPS. */
-static void turn_copies(iso_assembly_copy *copies, size_t count) {
-    for (size_t i = 0; i < count; i++)
-        for (int k = 0; k < 8; k++) copies[i].matrix[k] = -copies[i].matrix[k];
-}
-
-static iso_vec3 origin_of(const pdb *p, const iso_assembly_copy *copy) {
-    double world[3] = {0};
-    if (p->count) move_atom(copy, p->atoms, world);
-    return iso_origin_for(world);
-}
-
-static iso_status make_glyphs(pdb *p, iso_assembly_copy *copies, size_t count, iso_glyphs *glyphs,
-                              iso_error *error) {
-    size_t total = 0, made = 0;
-    if (iso_reading_is_ras(p->reading, ISO_SPACE_FILE)) turn_copies(copies, count);
+static iso_status add_atoms(pdb *p, const iso_assembly_copy *copies, size_t count, iso_error *error) {
+    static const char *const names[COLUMNS] = {"chain", "temperature", "copy"};
+    float *columns[COLUMNS] = {NULL};
+    iso_atoms atoms;
+    size_t total = 0;
+    const int column_count = count > 1 ? COLUMNS : COPY;
+    int numbers[COLUMNS];
     for (size_t i = 0; i < count; i++)
         if (__builtin_add_overflow(total, count_atoms(p, &copies[i]), &total)) total = SIZE_MAX / 8;
-    ISO_TRY(reserve_glyphs(p, total, count > 1, error));
-    const iso_vec3 origin = origin_of(p, copies);
-    for (size_t i = 0; i < count; i++) made = write_copy(p, &copies[i], i, origin, made);
-    iso_glyphs result = {.origin = origin, .count = made};
-    ISO_TRY(iso_columns_take(p->columns, COLUMNS, &result.attributes, &result.attribute_count, error));
-    result.positions = p->positions.data;
-    result.radii = p->radii.data;
-    result.colors = p->colors.data;
-    p->positions = p->radii = p->colors = (iso_buffer){0};
-    note_oddities(p, made);
-    *glyphs = result;
+    for (int i = 0; i < column_count; i++)
+        ISO_TRY(iso_polydata_add_column(p->data, names[i], 1, false, ISO_ROLE_NONE, &numbers[i], error));
+    ISO_TRY(iso_atoms_begin(p->data, total, &atoms, error));
+    for (int i = 0; i < column_count; i++) columns[i] = iso_polydata_column(p->data, numbers[i])->values.data;
+    for (size_t i = 0; i < count; i++) add_copy(p, &copies[i], i, columns, &atoms);
+    atoms.unknown = p->unknown; /* not once a copy */
+    iso_atoms_end(&atoms);
+    note_oddities(p, atoms.count);
     return ISO_OK;
 }
 
@@ -334,12 +291,11 @@ static bool has_atoms(const pdb *p) {
     return atoms > 0;
 }
 
-static iso_status read_pdb(pdb *p, iso_glyphs *glyphs, iso_error *error) {
+static iso_status read_pdb(pdb *p, iso_error *error) {
     const int asked = p->reading->opts.assembly;
     iso_assembly_copy alone;
     stand_alone(&alone);
     p->assembly.wanted = asked > 0 ? asked : 1;
-    p->reading->report->unit = ISO_WORLD_UNIT_ANGSTROM;
     ISO_TRY(iso_text_rows_load(p->reading, &p->rows, error));
     ISO_TRY(read_rows(p, error));
     if (p->assembly.next_row != 0)
@@ -347,22 +303,19 @@ static iso_status read_pdb(pdb *p, iso_glyphs *glyphs, iso_error *error) {
     if (asked > 0 && p->assembly.count == 0)
         return iso_fail(error, ISO_ERR_USAGE, "%s: no assembly %d: there %s %d", p->reading->path, asked,
                         p->assembly.current == 1 ? "is" : "are", p->assembly.current);
-    if (asked < 0 || !has_atoms(p)) return make_glyphs(p, &alone, 1, glyphs, error);
-    return make_glyphs(p, p->assembly.copies, p->assembly.count, glyphs, error);
+    if (asked < 0 || !has_atoms(p)) return add_atoms(p, &alone, 1, error);
+    return add_atoms(p, p->assembly.copies, p->assembly.count, error);
 }
 
-iso_status iso_glyphs_read_pdb(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
+iso_status iso_polydata_read_pdb(iso_polydata *data, iso_error *error) {
     pdb *p = iso_alloc_zero(1, sizeof *p);
-    if (!p) return iso_fail_memory(error, reading->path);
-    p->reading = reading;
-    iso_status status = read_pdb(p, glyphs, error);
+    if (!p) return iso_fail_memory(error, data->reading->path);
+    p->data = data;
+    p->reading = data->reading;
+    const iso_status status = read_pdb(p, error);
     iso_text_rows_free(&p->rows);
-    iso_assembly_free(&p->assembly, reading);
-    iso_buffer_free(&p->atom_buffer);
-    iso_buffer_free(&p->positions);
-    iso_buffer_free(&p->radii);
-    iso_buffer_free(&p->colors);
-    for (int i = 0; i < COLUMNS; i++) iso_buffer_free(&p->columns[i].values);
+    iso_assembly_free(&p->assembly, p->reading);
+    iso_reading_free(p->reading, &p->atom_buffer);
     iso_free(p);
     return status;
 }

@@ -10,7 +10,6 @@
 
 #include "base/file_types.h"
 #include "base/text.h"
-#include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/point_columns.h"
 
 static const char separators[] = ",;";
@@ -207,28 +206,23 @@ static iso_status read_counted(point_rows *p, double count, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status read_file(point_rows *p, iso_glyphs *glyphs, iso_error *error) {
+static iso_status read_file(point_rows *p, iso_error *error) {
     double count;
     ISO_TRY(iso_text_rows_load(p->data->reading, p->rows, error));
     char *row = iso_point_rows_next(p->rows);
     if (!row) return iso_fail(error, ISO_ERR_FORMAT, "%s: the file is empty", p->rows->reading->path);
-    if (iso_point_rows_is_count(row, &count))
-        ISO_TRY(read_counted(p, count, error));
-    else
-        ISO_TRY(read_uncounted(p, row, error));
-    return iso_polydata_to_glyphs(p->data, glyphs, error);
+    return iso_point_rows_is_count(row, &count) ? read_counted(p, count, error)
+                                                : read_uncounted(p, row, error);
 }
 
-iso_status iso_glyphs_read_rows(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
-    iso_polydata data = {.reading = reading};
+iso_status iso_polydata_read_rows(iso_polydata *data, iso_error *error) {
     iso_text_rows rows = {0};
     point_rows *p = iso_alloc_zero(1, sizeof *p);
-    if (!p) return iso_fail_memory(error, reading->path);
-    p->data = &data;
+    if (!p) return iso_fail_memory(error, data->reading->path);
+    p->data = data;
     p->rows = &rows;
-    iso_status status = read_file(p, glyphs, error);
+    const iso_status status = read_file(p, error);
     iso_text_rows_free(&rows);
-    iso_polydata_free(&data);
     iso_free(p);
     return status;
 }

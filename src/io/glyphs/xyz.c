@@ -8,14 +8,13 @@
 
 #include "io/glyphs/atoms.h"
 #include "io/glyphs/elements.h"
-#include "io/glyphs/glyphs_format.h"
 #include "io/glyphs/point_rows.h"
 
 static const char separators[] = ",;";
 
 typedef struct xyz {
     iso_text_rows rows;
-    iso_polydata data;
+    iso_polydata *data;
 } xyz;
 
 /* ---- molecules */
@@ -49,29 +48,27 @@ static iso_status read_molecule(xyz *x, double promised, iso_error *error) {
         return iso_fail(error, ISO_ERR_IO, "%s: truncated: it promises %.0f atoms", x->rows.reading->path,
                         promised);
     iso_text_rows_next(&x->rows); /* skips the row of comment */
-    ISO_TRY(iso_atoms_begin(&x->data, (size_t)promised, &atoms, error));
+    ISO_TRY(iso_atoms_begin(x->data, (size_t)promised, &atoms, error));
     for (size_t i = 0; i < (size_t)promised; i++)
         ISO_TRY(take_atom(x, iso_text_rows_next(&x->rows), &atoms, error));
     iso_atoms_end(&atoms);
     if (iso_point_rows_next(&x->rows))
-        iso_reading_note(x->data.reading, "further frames follow: only the first is read");
+        iso_reading_note(x->data->reading, "further frames follow: only the first is read");
     return ISO_OK;
 }
 
-static iso_status read_xyz(xyz *x, iso_glyphs *glyphs, iso_error *error) {
+static iso_status read_xyz(xyz *x, iso_error *error) {
     double atoms;
-    ISO_TRY(iso_text_rows_load(x->data.reading, &x->rows, error));
+    ISO_TRY(iso_text_rows_load(x->data->reading, &x->rows, error));
     char *first = iso_point_rows_next(&x->rows);
     if (!first) return iso_fail(error, ISO_ERR_FORMAT, "%s: the file is empty", x->rows.reading->path);
-    ISO_TRY(iso_point_rows_is_count(first, &atoms) ? read_molecule(x, atoms, error)
-                                                   : iso_point_rows_read(&x->data, &x->rows, first, error));
-    return iso_polydata_to_glyphs(&x->data, glyphs, error);
+    return iso_point_rows_is_count(first, &atoms) ? read_molecule(x, atoms, error)
+                                                  : iso_point_rows_read(x->data, &x->rows, first, error);
 }
 
-iso_status iso_glyphs_read_xyz(iso_reading *reading, iso_glyphs *glyphs, iso_error *error) {
-    xyz x = {.data = {.reading = reading}};
-    iso_status status = read_xyz(&x, glyphs, error);
+iso_status iso_polydata_read_xyz(iso_polydata *data, iso_error *error) {
+    xyz x = {.data = data};
+    const iso_status status = read_xyz(&x, error);
     iso_text_rows_free(&x.rows);
-    iso_polydata_free(&x.data);
     return status;
 }

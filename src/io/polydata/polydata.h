@@ -100,12 +100,11 @@ iso_status iso_polydata_to_glyphs(iso_polydata *data, iso_glyphs *glyphs, iso_er
 
 void iso_polydata_free(iso_polydata *data);
 
-/* The readers of single formats. Errors as for iso_lines_read. */
-iso_status iso_polydata_read_vtk(iso_polydata *data, iso_error *error);
-iso_status iso_polydata_read_vtp(iso_polydata *data, iso_error *error);
-iso_status iso_polydata_read_off(iso_polydata *data, iso_error *error);
-iso_status iso_polydata_read_obj(iso_polydata *data, iso_error *error);
-iso_status iso_polydata_read_ply(iso_polydata *data, iso_error *error);
+/* The readers of single formats, of all those of glyphs (base/file_types.inc): fill the polydata, whose
+ * `reading` is set. Errors as for iso_lines_read. */
+#define GLYPHS(reader) iso_status iso_polydata_read_##reader(iso_polydata *data, iso_error *error);
+#define FILE_TYPE(name, extensions, magic, handlers) handlers
+#include "base/file_types.inc"
 
 /* What a .vtp file has, judged by its first 64 KiB. */
 typedef enum iso_vtp_cells {

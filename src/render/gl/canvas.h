@@ -7,10 +7,6 @@
 #include "render/gl/pullpush.h"
 #include "render/shading/shading.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_gl_canvas iso_gl_canvas;
 
 /* An empty canvas. The engine is borrowed and must outlive the canvas. ISO_ERR_NOMEM. */
@@ -51,7 +47,4 @@ iso_status iso_gl_canvas_copy(iso_gl_canvas *to, const iso_gl_canvas *from, iso_
 /* Reads the colours back into an image of the canvas's size. */
 iso_status iso_gl_canvas_read(const iso_gl_canvas *canvas, iso_image *image, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -17,10 +17,6 @@
 
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef enum iso_gl_kind {
     ISO_GL_EGL_DEVICE,      /* EGL_EXT_platform_device: a GPU by its number, with or without a display */
     ISO_GL_EGL_SURFACELESS, /* EGL_MESA_platform_surfaceless: the device that Mesa chooses */
@@ -83,7 +79,4 @@ iso_gl_messages iso_gl_context_messages(const iso_gl_context *context);
 /* Whether `renderer` is a software renderer: llvmpipe, softpipe, swrast, SwiftShader, Windows' GDI. */
 bool iso_gl_renderer_is_software(const char *renderer);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -10,11 +10,8 @@
 #include "base/primitives.h"
 #include "image/camera.h"
 #include "render/gl/context.h"
+#include "render/points/reconstruction.h"
 #include "render/view/gbuffer.h"
-
-#ifdef __cplusplus
-extern "C" {
-#endif
 
 typedef struct iso_gl_engine iso_gl_engine;
 
@@ -30,6 +27,10 @@ void iso_gl_engine_destroy(iso_gl_engine *engine);
  * x height samples. Pictures are drawn in parts of limited size, so the number does not grow beyond that
  * of a part. */
 uint64_t iso_gl_draw_bytes(const iso_gl_engine *engine, int width, int height);
+
+/* The counts of all pictures in which the engine has selected points: points; those in
+ * blocks that were looked at; those drawn. Points that two parts of a picture show are counted for each. */
+iso_selection_counts iso_gl_engine_selection(const iso_gl_engine *engine);
 
 /* What is timed: drawing points, triangles, lines or glyphs (draw), the steps of pull-push (project ..
  * finish) and those of the method discs (front .. resolve, and select: the choice of points). */
@@ -107,7 +108,4 @@ typedef struct iso_gl_draw_opts {
 iso_status iso_gl_draw(iso_gl_engine *engine, const iso_gl_draw_opts *opts, iso_gbuffer *gbuffer,
                        iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

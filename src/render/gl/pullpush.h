@@ -7,10 +7,6 @@
 #include "render/gl/engine.h"
 #include "render/point_surface.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_gl_pullpush_opts {
     const iso_view *view;                  /* borrowed */
     const iso_gl_surface *const *surfaces; /* of points; surfaces[i] gets surface number i in the gbuffer */
@@ -60,11 +56,4 @@ uint64_t iso_gl_pullpush_bytes(const iso_gl_engine *engine, iso_reconstruction r
  * with the first picture. */
 uint64_t iso_gl_selection_bytes(int width, int height);
 
-/* The counts of all pictures in which the engine has selected points: points; those in
- * blocks that were looked at; those drawn. Points that two parts of a picture show are counted for each. */
-iso_selection_counts iso_gl_engine_selection(const iso_gl_engine *engine);
-
-#ifdef __cplusplus
-}
-#endif
 #endif

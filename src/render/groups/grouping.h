@@ -23,10 +23,6 @@
 #include "base/parallel.h"
 #include "base/primitives.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_GROUPS_MOST = 64 };
 
 typedef struct iso_groups_opts {
@@ -86,7 +82,4 @@ iso_status iso_groups_update(const iso_point_view *view, const iso_groups_opts *
 size_t iso_groups_memory_bytes(const iso_groups *groups);
 void iso_groups_free(iso_groups *groups);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

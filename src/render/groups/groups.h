@@ -23,10 +23,6 @@
 #include "render/groups/grouping.h"
 #include "render/raster/raster.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Radius of a disc in radii of its point: about the smallest that leaves no holes between extracted
  * points. */
 #define ISO_GROUPS_DISC 1.35f
@@ -52,7 +48,4 @@ iso_groups_opts iso_groups_default_opts(iso_pool *pool);
 iso_status iso_draw_groups(const iso_target *target, const iso_point_view *points,
                            const iso_draw_groups_opts *opts, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

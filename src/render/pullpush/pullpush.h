@@ -25,10 +25,6 @@
 #include "render/points/reconstruction.h"
 #include "render/raster/raster.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Working memory that is reused from one picture to the next. For one call at a time. */
 typedef struct iso_pullpush iso_pullpush;
 
@@ -48,7 +44,4 @@ typedef struct iso_pullpush_opts {
 iso_status iso_draw_pullpush(const iso_target *target, const iso_point_view *points,
                              const iso_pullpush_opts *opts, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -13,10 +13,6 @@
 #include "render/view/clip.h"
 #include "render/view/gbuffer.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* What a renderer draws into. All members are borrowed for the call. */
 typedef struct iso_target {
     const iso_view *view;
@@ -38,7 +34,4 @@ iso_status iso_draw_points(const iso_target *target, const iso_point_view *point
  * has a plane of elements, it gets the numbers of the triangles in mesh->triangles. */
 iso_status iso_draw_mesh(const iso_target *target, const iso_mesh_view *mesh, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -21,10 +21,6 @@
 #include "base/parallel.h"
 #include "base/primitives.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_LOD_LEVELS = 21 }; /* most levels, with level 0 */
 
 /* The error of a span in voxels: FLAT plus BENT times the sine of the typical angle between a normal and the
@@ -87,7 +83,4 @@ static inline size_t iso_lod_child(const iso_lod *lod, int level, uint32_t child
 size_t iso_lod_count(const iso_lod *lod);
 size_t iso_lod_bytes(const iso_lod *lod);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

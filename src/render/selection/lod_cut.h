@@ -14,10 +14,6 @@
 #include "image/camera.h"
 #include "render/selection/lod.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* The chosen spans, by level. Zero-initialise; free with iso_lod_cut_free. Memory is reused from one cut to
  * the next. */
 typedef struct iso_lod_cut {
@@ -38,7 +34,4 @@ iso_status iso_lod_cut_make(iso_lod_cut *cut, const iso_lod *lod, const iso_view
                             iso_pool *pool, iso_error *error);
 void iso_lod_cut_free(iso_lod_cut *cut);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -8,9 +8,6 @@
 #include "image/camera.h"
 #include "render/view/gbuffer.h"
 
-/* Widest line, pixels. */
-#define ISO_OUTLINE_MOST 16.0
-
 /* A colour of lines that stand out against the background. */
 iso_rgb iso_outline_color(iso_rgb background, bool transparent);
 

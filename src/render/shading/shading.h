@@ -11,10 +11,6 @@
 #include "isopoint.h"
 #include "render/view/strip.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Two directional lights that move with the camera (a key light from above left, a fill light along the
  * optical axis), an ambient term and a specular lobe with exponent 32. Shading is two-sided: back-facing
  * normals are flipped. */
@@ -23,7 +19,7 @@ typedef struct iso_shading {
     int color_count;       /* at least 1; surfaces with higher numbers have the last colour */
     iso_rgb background;
     int transparent; /* 1: background alpha 0 */
-    iso_rgb ink;     /* the colour of outlines */
+    iso_rgb ink;     /* the colour of outlines; iso_picture_render chooses it */
 } iso_shading;
 
 /* Returns the default colour for a surface number. */
@@ -51,7 +47,4 @@ void iso_shade_occluded(const float normal[3], const float to_eye[3], iso_rgb co
  * picture is cut into strips. */
 size_t iso_shade(const iso_shading *shading, const iso_strip *strip, iso_image *image, iso_pool *pool);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,10 +5,6 @@
 
 #include "base/geometry.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_CLIP_FACES = 6, ISO_CLIP_BODIES = 16, ISO_CLIP_PIECES = ISO_CLIP_BODIES + 1 };
 
 /* A convex body: the points in front of none of its faces, or a ball. */
@@ -62,7 +58,4 @@ typedef enum iso_clip_rest { ISO_CLIP_ALL, ISO_CLIP_SOME, ISO_CLIP_NOTHING } iso
 iso_clip_rest iso_clip_of_box(const iso_clip *clip, iso_vec3 centre, const iso_vec3 half[3],
                               unsigned *cutting);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -10,10 +10,6 @@
 #include "base/parallel.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Surface numbers are 0 .. ISO_SURFACE_MAX - 1; ISO_SURFACE_NONE where nothing was drawn. */
 enum { ISO_SURFACE_MAX = 255, ISO_SURFACE_NONE = 255 };
 
@@ -63,7 +59,4 @@ void iso_gbuffer_clear(iso_gbuffer *gbuffer);
 /* The same with all threads of the pool: page faults of fresh memory take longer than the drawing. */
 void iso_gbuffer_clear_bands(iso_gbuffer *gbuffer, iso_pool *pool);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -13,10 +13,6 @@
 #include "base/parallel.h"
 #include "image/image.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 #define ISO_KEY_EMPTY UINT64_MAX
 
 typedef struct iso_key_image {
@@ -39,7 +35,4 @@ void iso_key_image_minimum(iso_key_image *image, const iso_key_image *other, iso
  * a key to `empty` (iso_shading_empty). Returns the number of pixels with a key. */
 size_t iso_key_image_paint(const iso_key_image *image, int32_t empty, iso_image *picture, iso_pool *pool);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -8,10 +8,6 @@
 #include "image/camera.h"
 #include "render/view/gbuffer.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { ISO_FACTOR_MAX = 8 }; /* samples along a pixel's side, at most */
 
 typedef struct iso_strip {
@@ -26,7 +22,4 @@ typedef struct iso_strip {
  * averaged. Segments are 0, elements are the gbuffer's: image/aov.h counts them as files do. */
 void iso_strip_measure(const iso_strip *strip, iso_aov *aov, iso_pool *pool);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

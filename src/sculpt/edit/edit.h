@@ -18,10 +18,6 @@
 #include "sculpt/brush/stamp.h"
 #include "sculpt/field/mask.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Callbacks that preserve the old content of cells for undo. In each step each cell is reported once, before
  * a touch first writes it. A status other than ISO_OK stops the touch before anything is written. */
 typedef struct iso_write_observer {
@@ -102,7 +98,4 @@ bool iso_editor_has_mask(const iso_editor *editor);
 void iso_editor_mask_clear(iso_editor *editor);
 iso_mask *iso_editor_mask(iso_editor *editor); /* the editor's own; undo and checkpoints write it */
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -10,10 +10,6 @@
 #include "base/progress.h"
 #include "grids/hgrid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct iso_snapshot iso_snapshot;
 
 /* Creates a snapshot; called by the thread that writes the grid. The grid must outlive the snapshot.
@@ -31,7 +27,4 @@ void iso_snapshot_preserve(iso_snapshot *snapshot, uint32_t cell);
 iso_status iso_snapshot_copy(iso_snapshot *snapshot, const iso_progress *progress, iso_hgrid **grid,
                              iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

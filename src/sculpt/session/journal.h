@@ -14,10 +14,6 @@
 #include "sculpt/brush/brush.h"
 #include "sculpt/brush/stamp.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Version 2 adds `reading`, and isovalues of level sets are in millimetres instead of voxels. Version 3 adds
  * edits of strokes. A file that is made says the first version that has what it uses; edits that are appended
  * to an older file leave its first line as it is, and older programs refuse their lines. ISO_JOURNAL_TEXT:
@@ -126,7 +122,4 @@ iso_status iso_journal_add_location(const iso_journal_reader *reader, iso_status
 /* Returns the number of bytes up to the end of the last valid line. */
 uint64_t iso_journal_sound_bytes(const iso_journal_reader *reader);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

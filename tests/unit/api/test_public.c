@@ -245,7 +245,7 @@ static iso_status draw_privately(void *context, const iso_view *view, iso_gbuffe
                                  iso_error *error) {
     const private_drawing *d = context;
     iso_target target = {view, gbuffer, NULL, 0, NULL};
-    return d->renderer->draw(d->scene, &target, error);
+    return iso_renderer_draw(d->renderer, d->scene, &target, error);
 }
 
 /* What the modules below draw of the array. */

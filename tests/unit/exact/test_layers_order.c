@@ -10,8 +10,8 @@
 #include "extract_support.h"
 #include "lines_support.h"
 #include "render/shapes/shapes.h"
+#include "shapes_truth.h"
 #include "truth/raycast_layers.h"
-#include "truth/shapes_truth.h"
 #include "view_support.h"
 
 enum { SIDE = 160, MOST = 64, TUBES = 1 };

@@ -155,7 +155,7 @@ static int count_wrong(const fixture *f, iso_method method, double zoom, double 
     assert_int_equal(iso_gbuffer_create(WIDTH, HEIGHT, &gbuffer, NULL), ISO_OK);
     iso_gbuffer_clear(&gbuffer);
     const iso_target target = {&view, &gbuffer, pool, 0, NULL};
-    assert_int_equal(iso_renderer_get(method)->draw(&f->surface, &target, NULL), ISO_OK);
+    assert_int_equal(iso_renderer_draw(iso_renderer_get(method), &f->surface, &target, NULL), ISO_OK);
     assert_int_equal(iso_colorings_paint(colorings, 1, &view, &gbuffer, pool, NULL), ISO_OK);
     *seen = 0;
     for (int y = 0; y < HEIGHT; y++)

@@ -8,8 +8,8 @@
 #include "base/cpu.h"
 #include "check_support.h"
 #include "grids/scenes/scenes.h"
+#include "occlusion_truth.h"
 #include "scene/occluders.h"
-#include "truth/occlusion_truth.h"
 
 enum { SIDE = 64 };
 

@@ -80,7 +80,7 @@ typedef struct whole_draw {
 static iso_status draw_whole(void *context, const iso_view *view, iso_gbuffer *gbuffer, iso_error *error) {
     const whole_draw *whole = context;
     const iso_target target = {view, gbuffer, whole->surface.pool, 0, NULL};
-    return whole->renderer->draw(&whole->surface, &target, error);
+    return iso_renderer_draw(whole->renderer, &whole->surface, &target, error);
 }
 
 static void render_whole(const iso_grid *grid, double isovalue, iso_method method, const iso_camera *camera,

@@ -126,7 +126,7 @@ static iso_gbuffer draw(iso_rgrid *grid, double isovalue, iso_filter filter, iso
     const iso_part part = method == ISO_METHOD_EXACT ? ISO_PART_CELLS : ISO_PART_CASTER;
     test_ok(iso_scene_surface_update(&surface, part, &error), &error);
     const iso_target target = {.view = view, .gbuffer = &to, .pool = pool, .surface = SURFACE};
-    test_ok(renderer->draw(&surface, &target, &error), &error);
+    test_ok(iso_renderer_draw(renderer, &surface, &target, &error), &error);
     iso_scene_surface_free(&surface);
     return to;
 }

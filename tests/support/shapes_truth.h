@@ -3,8 +3,8 @@
  *
  * Simple rather than fast: every shape is intersected with every ray that meets its bounding sphere. It
  * shares no code with render/shapes except the options. */
-#ifndef ISO_TRUTH_SHAPES_TRUTH_H
-#define ISO_TRUTH_SHAPES_TRUTH_H
+#ifndef ISO_TESTS_SHAPES_TRUTH_H
+#define ISO_TESTS_SHAPES_TRUTH_H
 
 #include "image/camera.h"
 #include "render/shapes/shapes.h"

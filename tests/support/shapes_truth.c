@@ -1,7 +1,7 @@
 /* shapes_truth: finds where a ray is inside each shape, in long double. Spheres are intersected by the usual
  * formula; rounded cones by a search among the spheres that sweep them; ribbons by subdivision of their
  * patches. */
-#include "truth/shapes_truth.h"
+#include "shapes_truth.h"
 
 #include <math.h>
 

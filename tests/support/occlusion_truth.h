@@ -1,7 +1,7 @@
 /* occlusion_truth: ambient occlusion by many random rays through the trilinear field in double precision:
  * what src/render/occlusion is compared with. */
-#ifndef ISO_TRUTH_OCCLUSION_TRUTH_H
-#define ISO_TRUTH_OCCLUSION_TRUTH_H
+#ifndef ISO_TESTS_OCCLUSION_TRUTH_H
+#define ISO_TESTS_OCCLUSION_TRUTH_H
 
 #include "grids/grid.h"
 

@@ -1,5 +1,5 @@
 /* occlusion_truth: rays in steps of a quarter of a voxel. */
-#include "truth/occlusion_truth.h"
+#include "occlusion_truth.h"
 
 #include <math.h>
 

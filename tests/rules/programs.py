@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Which headers of the library the programs include.
+
+The aim is none but those of base/ and scene/, beside the public header: what a scene can do is done there once,
+for the programs and for whoever links the library. HEADERS lists what is left, with the folders of apps that
+include it. The list only gets shorter: a header or folder that is not in it fails, and so does one that is no
+longer needed. What a program needs and a scene lacks belongs into src/scene.
+
+usage: programs.py ROOT
+"""
+import re
+import sys
+from pathlib import Path
+
+OPEN = ("apps", "base", "scene")
+
+HEADERS = """
+clouds/cloud.h                       isorender
+clouds/frame.h                       isorender
+compare/cost.h                       isocompare
+compare/metrics.h                    isocompare
+compare/splat_cost.h                 isocompare
+compare/stroke_cost.h                isocompare
+compare/surfaces.h                   isocompare
+compare/transparency.h               isocompare
+compare/visible_points.h             isocompare
+exact/exact.h                        isosculpt
+exact/layers.h                       isosculpt
+extract/isovalue/isovalue.h          common
+extract/lines/mesh_lines.h           isorender
+extract/mesh/mesh.h                  isosculpt
+extract/mesh/mesh_edit.h             isorender
+extract/mesh/mesh_measure.h          isorender isosculpt
+extract/points/points.h              isosculpt
+extract/vectors/gradient_glyphs.h    isorender
+extract/vectors/streamlines.h        isorender
+extract/vectors/vector_glyphs.h      isorender
+grids/brick_index.h                  common isosculpt page
+grids/closing/closed_mesh.h          isosculpt
+grids/grid.h                         isosculpt
+grids/hgrid.h                        isosculpt
+grids/kept.h                         common
+grids/labels/label_fields.h          isorender
+grids/labels/label_names.h           isorender
+grids/labels/labels.h                isorender
+grids/level_set.h                    isosculpt
+grids/parts/closed.h                 isorender isosculpt
+grids/parts/components.h             common isorender isosculpt
+grids/rgrid.h                        isosculpt
+grids/scenes/scenes.h                common isorender
+grids/volume/bridge_guard.hpp        isosculpt
+grids/volume/input.h                 common
+grids/volume/module.h                isorender mpi
+grids/volume/npy_header.h            isorender
+grids/volume/tiled.h                 common
+grids/volume/vectors_read.h          isorender
+grids/volume/volume.h                common isorender
+grids/volume_index.h                 isorender
+image/annotate.h                     common isocompare isorender
+image/camera.h                       isosculpt
+image/drawing.h                      common isorender
+image/exr.h                          isocompare isorender
+image/font.h                         common isorender
+image/image.h                        common isocompare isosculpt
+image/image_file.h                   common isorender
+image/png_text.h                     common
+image/video.h                        isorender
+io/chunk_export.h                    isorender
+io/common/read_opts.h                common isorender
+io/file_contents.h                   common isorender isosculpt
+io/glyphs/glyphs_read.h              common isorender isosculpt
+io/glyphs/mapped_points.h            common
+io/glyphs/placements_read.h          isorender
+io/key_file.h                        isorender
+io/lines/lines_read.h                isorender isosculpt
+io/mesh/mesh_read.h                  isocompare isorender isosculpt
+io/mesh/mesh_write.h                 isorender isosculpt
+io/points_write.h                    isorender isosculpt
+render/gl/canvas.h                   isosculpt
+render/layers/opacity.h              isosculpt
+render/point_surface.h               isosculpt
+render/shading/outline.h             isosculpt
+render/shading/shading.h             isosculpt
+render/shapes/shapes.h               isosculpt
+render/view/gbuffer.h                isosculpt
+sculpt/brush/brush.h                 isosculpt
+sculpt/brush/dab.h                   isosculpt
+sculpt/session/session.h             isosculpt
+source/label.h                       isosculpt
+source/source.h                      isosculpt
+source/strokes.h                     common
+"""
+
+
+def included(root):
+    """Each private header that programs include, with the folders of apps that do."""
+    found = {}
+    for path in sorted((root / "apps").rglob("*")):
+        if path.suffix not in (".c", ".h", ".cc", ".hpp", ".inc"):
+            continue
+        folder = path.relative_to(root / "apps").parts[0]
+        for header in re.findall(r'^\s*#\s*include\s+"(.+)/([^/"]+)"', path.read_text(encoding="utf-8"), re.M):
+            if header[0].split("/")[0] not in OPEN:
+                found.setdefault("/".join(header), set()).add(folder)
+    return found
+
+
+def main():
+    found = included(Path(sys.argv[1]))
+    listed = {row.split()[0]: set(row.split()[1:]) for row in HEADERS.strip().splitlines()}
+    if not found or not listed:
+        sys.exit("no include, or no row, was found: nothing was checked")
+    bad = []
+    for header in sorted(found.keys() | listed.keys()):
+        now, before = found.get(header, set()), listed.get(header, set())
+        bad += ["%s: new in apps/%s" % (header, folder) for folder in sorted(now - before)]
+        bad += ["%s: apps/%s needs it no longer: take it off the list" % (header, folder)
+                for folder in sorted(before - now)]
+    for line in bad:
+        print(line)
+    if bad:
+        sys.exit("programs include what tests/rules/programs.py does not list, or less")
+    print("programs include %d private headers, in %d places" % (len(found), sum(map(len, found.values()))))
+
+
+if __name__ == "__main__":
+    main()
