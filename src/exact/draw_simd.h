@@ -105,6 +105,27 @@ ISO_INLINE bool is_visible(const iso_exact_scratch *scratch, const iso_exact_vis
     return any_open(scratch, clip);
 }
 
+/* Shrinks the rectangle `clip`, which has free pixels, to those: cells outside of it are hidden. */
+ISO_INLINE void shrink_to_open(const iso_exact_scratch *scratch, int clip[4]) {
+    const int first = clip[0] >> 6, last = clip[1] >> 6;
+    const uint64_t from = ~(uint64_t)0 << (clip[0] & 63), to = ~(uint64_t)0 >> (63 - (clip[1] & 63));
+    int box[4] = {INT_MAX, -1, INT_MAX, -1};
+    for (int y = clip[2]; y <= clip[3]; y++) {
+        const uint64_t *row = scratch->open + (ptrdiff_t)(y - scratch->rows.first) * scratch->words;
+        for (int word = first; word <= last; word++) {
+            const uint64_t open =
+                row[word] & (word == first ? from : ~(uint64_t)0) & (word == last ? to : ~(uint64_t)0);
+            if (!open) continue;
+            const int low = word * 64 + __builtin_ctzll(open), high = word * 64 + 63 - __builtin_clzll(open);
+            box[0] = low < box[0] ? low : box[0];
+            box[1] = high > box[1] ? high : box[1];
+            box[2] = y < box[2] ? y : box[2];
+            box[3] = y;
+        }
+    }
+    memcpy(clip, box, sizeof box);
+}
+
 /* Prefetches the data that drawing an octant reads first. */
 ISO_INLINE void fetch_octant(const iso_exact_projection *projection, const iso_exact_visible *visible) {
     const iso_exact_octant *octant = &iso_exact_octants(projection->exact)[visible->octant];
@@ -118,6 +139,7 @@ ISO_INLINE void fetch_octant(const iso_exact_projection *projection, const iso_e
 ISO_STEP static void draw_octant(const iso_exact_projection *projection, const iso_exact_visible *visible,
                                  iso_exact_scratch *scratch) {
     if (!is_visible(scratch, visible, scratch->clip)) return;
+    shrink_to_open(scratch, scratch->clip);
     scratch->span = &iso_exact_spans(projection->exact)[visible->span];
     if (!ISO_EXACT_LAYERED && projection->paint && projection->paint->keys)
         scratch->place = iso_exact_place(projection, scratch->span->brick);
@@ -134,9 +156,10 @@ ISO_STEP static void draw_octant(const iso_exact_projection *projection, const i
         project_far_cells(projection, scratch);
     scratch->cuts = 0;
     if (projection->clip) iso_exact_cut_octant(projection, scratch);
-    scratch->outlined = has_outlines(projection, &scratch->octant_projection);
+    scratch->bounded = has_outlines(projection, &scratch->octant_projection);
+    scratch->outlined = scratch->bounded && scratch->octant_projection.cell_pixels >= ISO_EXACT_OUTLINED_CELL;
     if (ISO_EXACT_LAYERED && scratch->outlined) flush_hits(projection, scratch); /* patches do not wait */
-    if (scratch->outlined) outline_cells(projection, scratch);
+    if (scratch->bounded) outline_cells(projection, scratch);
     rank_cells(projection, scratch);
     for (int word = 0; word < ISO_EXACT_SIDE; word++)
         for (uint64_t drawable = scratch->drawable[word]; drawable; drawable &= drawable - 1)

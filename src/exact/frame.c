@@ -56,7 +56,9 @@ static iso_status alloc_frame(iso_exact_frame *frame, iso_error *error) {
 }
 
 iso_status iso_exact_frame_start(iso_exact_frame *frame, iso_error *error) {
-    frame->projection.gradients = iso_exact_gradients_get(&frame->projection.exact->grid, iso_cpu_best());
+    const iso_grid *grid = &frame->projection.exact->grid;
+    frame->projection.gradients = iso_exact_gradients_get(grid, iso_cpu_best());
+    frame->projection.voxels = iso_exact_voxels_of(grid);
     ISO_TRY(alloc_frame(frame, error));
     if (frame->task_count) order_spans(frame);
     iso_parallel_for(frame->projection.target->pool, frame->task_count, list_task_octants, frame);

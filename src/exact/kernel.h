@@ -88,11 +88,11 @@ typedef struct iso_exact_row_window {
     int32_t pixel;   /* the first pixel, y << 16 | x */
 } iso_exact_row_window;
 
-/* Bounds on the pixels whose rays can meet the surface in an outlined cell. With x and y in pixels from the
+/* Bounds on the pixels whose rays can meet the surface in a large cell. With x and y in pixels from the
  * projected reference point, low[n] + slope[n] * y <= x <= high[n] + slope[n] * y for each n. */
-enum { ISO_EXACT_LINES = 6 };
+enum { ISO_EXACT_LINES = 3 };
 typedef struct iso_exact_outline {
-    float slope[8], low[8], high[8];
+    float slope[4], low[4], high[4]; /* [3] is unused */
 } iso_exact_outline;
 
 /* The rays through an outlined cell, in its coordinates. The ray of the pixel x, y (counted from the
@@ -185,7 +185,8 @@ typedef struct iso_exact_scratch {
     iso_exact_row_window window[ISO_EXACT_LARGE_ROOM]; /* the pixels of the pairs, in their order */
     uint64_t hit_bits[ISO_EXACT_LARGE_ROOM / 64 + 1];  /* bit by pair: its pixel shows the cell */
     iso_exact_hits hits;
-    bool outlined; /* has_outlines is true of the octant: `outline` and `rays` are set */
+    bool bounded;  /* has_outlines is true of the octant: `outline` is set */
+    bool outlined; /* and its cells are so large that they are drawn as patches: `rays` are set */
     iso_exact_outline outline[ISO_EXACT_CELL_ROOM];
     iso_exact_rays rays[ISO_EXACT_CELL_ROOM];
     iso_exact_patch patch;

@@ -39,6 +39,7 @@ typedef struct iso_exact_projection {
                                              rays and colour */
     const iso_exact *exact;
     iso_exact_gradients *gradients;
+    iso_exact_voxels voxels;
     bool perspective;
     double matrix[9], origin[3]; /* index to view space */
     double eye[3];               /* in index coordinates; used with perspective only */
