@@ -195,6 +195,34 @@ typedef struct iso_exact_scratch {
     bool is_cut[ISO_EXACT_CELL_ROOM]; /* with cuts: the cell is cut by some of them */
 } iso_exact_scratch;
 
+/* Whether a pixel in the rectangle `clip` (x0 x1 y0 y1, in the band) is free. */
+static inline bool iso_exact_any_open(const iso_exact_scratch *scratch, const int clip[4]) {
+    const int first = clip[0] >> 6, last = clip[1] >> 6;
+    const uint64_t from = ~(uint64_t)0 << (clip[0] & 63), to = ~(uint64_t)0 >> (63 - (clip[1] & 63));
+    for (int y = clip[2]; y <= clip[3]; y++) {
+        const uint64_t *row = scratch->open + (ptrdiff_t)(y - scratch->rows.first) * scratch->words;
+        if (first == last) {
+            if (row[first] & from & to) return true;
+            continue;
+        }
+        uint64_t open = (row[first] & from) | (row[last] & to);
+        for (int word = first + 1; word < last; word++) open |= row[word];
+        if (open) return true;
+    }
+    return false;
+}
+
+/* Sets `clip` to the pixels of a box that lie in the band; false when there are none, or none is free. */
+static inline bool iso_exact_is_open(const iso_exact_scratch *scratch, const iso_exact_box *box,
+                                     int clip[4]) {
+    if (box->y0 > scratch->rows.last || box->y1 < scratch->rows.first) return false;
+    clip[0] = box->x0;
+    clip[1] = box->x1;
+    clip[2] = box->y0 > scratch->rows.first ? box->y0 : scratch->rows.first;
+    clip[3] = box->y1 < scratch->rows.last ? box->y1 : scratch->rows.last;
+    return iso_exact_any_open(scratch, clip);
+}
+
 typedef struct iso_exact_kernel {
     /* Draws the octants of `visible` that have free pixels in the band. visible: `count` octants, sorted
      * front to back. */
