@@ -137,9 +137,10 @@ ISO_API iso_status iso_sculpt_redo(iso_sculpt *sculpt, iso_error *error);
 /* The numbers of strokes that can be undone, and redone. */
 ISO_API size_t iso_sculpt_undo_count(iso_sculpt *sculpt);
 ISO_API size_t iso_sculpt_redo_count(iso_sculpt *sculpt);
-/* Sets the solid of ISO_SOLID_STAMP: the inside of a mesh in an .stl, .obj or .ply file, small holes closed.
- * Its longest side is twice the brush's radius. The journal gets a copy of its distance field. ISO_ERR_IO,
- * ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh encloses nothing), ISO_ERR_USAGE (a stroke is in progress). */
+/* Sets the solid of ISO_SOLID_STAMP: the inside of a mesh in an .stl, .obj, .ply, .glb or .3mf file,
+ * small holes closed. Its longest side is twice the brush's radius. The journal gets a copy of its
+ * distance field. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh encloses nothing), ISO_ERR_USAGE (a
+ * stroke is in progress). */
 ISO_API iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error);
 /* Returns ISO_OK, or why the journal is incomplete (such as a full disk). Writing is tried again. */
 ISO_API iso_status iso_sculpt_journal_status(iso_sculpt *sculpt, iso_error *error);

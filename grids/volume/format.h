@@ -143,6 +143,8 @@ typedef struct iso_scalar_source {
  * scalar's stored type or float32. `swap`: the bytes of each value are in reverse order. The data need not
  * be aligned. target may equal data if the scalar is of this type and there is one component. */
 void iso_scalar_convert(const iso_scalar_source *source, size_t count, iso_type type, void *target);
+/* Sets `count` values of a type, which are aligned. */
+void iso_scalar_fill(iso_type type, float value, void *target, size_t count);
 
 /* Reads exactly the next `bytes` bytes of the voxels, in file order, or fails. */
 typedef iso_status iso_format_fill(void *context, void *target, size_t bytes, iso_error *error);

@@ -19,13 +19,14 @@
 #include "grids/level_set.h"
 #include "grids/volume/dicom/dicom.h"
 #include "grids/volume/format.h"
+#include "grids/volume/remote/remote.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 /* Increase this if a type that modules share with the library changes between two releases. */
-#define ISO_MODULE_ABI 10
+#define ISO_MODULE_ABI 11
 
 /* Writes an hgrid to `stream`, as iso_level_set_write_vdb; `path` is for messages. */
 typedef iso_status iso_level_set_writer(FILE *stream, const char *path, const iso_hgrid *grid,
@@ -39,6 +40,7 @@ typedef struct iso_module {
     iso_dicom_decoder *dicom_decode;
     iso_level_set_writer *write_level_set;
     const iso_message_passing *messages;
+    const iso_remote *remote;
 } iso_module;
 
 #ifdef __cplusplus
@@ -50,8 +52,8 @@ typedef struct iso_module {
 /* Defines the one symbol that a module exports. ISO_VERSION comes from the build. */
 #define ISO_MODULE(format, dicom_decode, write_level_set)                                                    \
     ISO_MODULE_EXTERN const iso_module iso_module_table;                                                     \
-    const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION,     format,                            \
-                                         dicom_decode,   write_level_set, 0}
+    const iso_module iso_module_table = {ISO_MODULE_ABI,  ISO_VERSION, format, dicom_decode,                 \
+                                         write_level_set, 0,           0}
 
 /* Loads module `name` and returns its table, which stays valid. `path` is the file that needs it and
  * `library` the library that it uses, both for messages. ISO_ERR_UNSUPPORTED: the module or a library is not

@@ -123,3 +123,20 @@ void iso_scalar_convert(const iso_scalar_source *source, size_t count, iso_type 
         CONVERT(uint32_t, uint32_t, (uint32_t))
     }
 }
+
+void iso_scalar_fill(iso_type type, float value, void *target, size_t count) {
+    switch (type) {
+    case ISO_UINT8:
+        memset(target, (uint8_t)value, count);
+        break;
+    case ISO_INT16:
+        for (size_t i = 0; i < count; i++) ((int16_t *)target)[i] = (int16_t)value;
+        break;
+    case ISO_UINT16:
+        for (size_t i = 0; i < count; i++) ((uint16_t *)target)[i] = (uint16_t)value;
+        break;
+    case ISO_FLOAT32:
+        for (size_t i = 0; i < count; i++) ((float *)target)[i] = value;
+        break;
+    }
+}

@@ -34,23 +34,6 @@ static uint64_t next_stored(const iso_tiled *tiled, uint64_t from, uint64_t end)
     return tiled->next_stored ? tiled->next_stored(tiled->context, from, end) : from;
 }
 
-/* Sets `count` voxels to the value of tiles that are not in the file. */
-static void fill_row(const iso_tiled *tiled, void *target, size_t count) {
-    switch (tiled->type) {
-    case ISO_UINT8:
-        memset(target, (uint8_t)tiled->fill, count);
-        return;
-    case ISO_INT16:
-        for (size_t i = 0; i < count; i++) ((int16_t *)target)[i] = (int16_t)tiled->fill;
-        return;
-    case ISO_UINT16:
-        for (size_t i = 0; i < count; i++) ((uint16_t *)target)[i] = (uint16_t)tiled->fill;
-        return;
-    default:
-        for (size_t i = 0; i < count; i++) ((float *)target)[i] = tiled->fill;
-    }
-}
-
 static uint64_t tile_bytes(const iso_tiled *tiled) {
     return iso_format_size(tiled->tile, iso_type_size(tiled->type));
 }
@@ -176,8 +159,9 @@ static void fill_slice(void *context, size_t z, int worker) {
     const filling *f = context;
     (void)worker;
     for (int y = 0; y < f->tiled->dims[1]; y++)
-        fill_row(f->tiled, target_row(&f->target, iso_type_size(f->tiled->type), 0, y, (int)z),
-                 (size_t)f->tiled->dims[0]);
+        iso_scalar_fill(f->tiled->type, f->tiled->fill,
+                        target_row(&f->target, iso_type_size(f->tiled->type), 0, y, (int)z),
+                        (size_t)f->tiled->dims[0]);
 }
 
 /* Whether some tile is not in the file. A file that has many is asked for all of them. */
@@ -705,10 +689,10 @@ static iso_status read_tiles(chunk_reading *r, iso_pool *pool, iso_error *error)
 static void fill_chunk(const iso_tiled *tiled, iso_rgrid *grid) {
     for (int z = 0; z < grid->dims[2]; z++)
         for (int y = 0; y < grid->dims[1]; y++)
-            fill_row(tiled,
-                     (char *)grid->data +
-                         (y * grid->stride_y + z * grid->stride_z) * (ptrdiff_t)iso_type_size(grid->type),
-                     (size_t)grid->dims[0]);
+            iso_scalar_fill(tiled->type, tiled->fill,
+                            (char *)grid->data + (y * grid->stride_y + z * grid->stride_z) *
+                                                     (ptrdiff_t)iso_type_size(grid->type),
+                            (size_t)grid->dims[0]);
 }
 
 static iso_status read_chunk(void *context, const iso_grid_chunk *chunk, iso_pool *pool, iso_rgrid **grid,

@@ -268,8 +268,22 @@ static iso_status fail_unknown(const char *path, const head *h, iso_error *error
                     path, volumes, others);
 }
 
+/* A path on a server: an array or image of Zarr, or N5. */
+static iso_status find_remote(const char *path, request *r, const iso_format **format, iso_error *error) {
+    const iso_module *module;
+    if (r->opts.raw || iso_file_type_of_name(path, ~0u) != ISO_FILE_UNKNOWN)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                        "%s: of what is on servers, only Zarr and N5 are read: copy the file here (curl -O)",
+                        path);
+    ISO_TRY(iso_module_load(path, "remote", "URL", &module, error));
+    r->opts.remote = module->remote;
+    *format = &format_zarr;
+    return ISO_OK;
+}
+
 static iso_status find_format(const char *path, request *r, const iso_format **format, iso_error *error) {
     struct stat status;
+    if (iso_is_url(path)) return find_remote(path, r, format, error);
     if (stat(path, &status) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     if (S_ISDIR(status.st_mode)) {

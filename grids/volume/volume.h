@@ -115,6 +115,8 @@ typedef struct iso_volume_opts {
     bool *mappable;
     struct iso_format_place *place; /* for readers only (grids/volume/format.h) */
     struct iso_rectilinear *axes;   /* for readers only (grids/volume/rectilinear.h) */
+    const struct iso_remote
+        *remote;         /* for readers only: of a path that is a URL (grids/volume/remote/remote.h) */
     int chunk_side;      /* voxels along the side of the chunks that will be read of tiles; 0: 128 */
     iso_file_set *files; /* every file that is read, or will be, is added by iso_volume_read_info and
                             iso_volume_read; NULL is fine */

@@ -30,9 +30,10 @@ typedef struct shard_index {
 struct iso_zarr_chunks {
     char *folder;
     iso_zarr_array array;
-    size_t bytes;         /* of a decoded chunk */
-    int most_kept;        /* indices of shards that are kept */
-    pthread_mutex_t lock; /* of the following */
+    const iso_remote *remote; /* of a folder on a server */
+    size_t bytes;             /* of a decoded chunk */
+    int most_kept;            /* indices of shards that are kept */
+    pthread_mutex_t lock;     /* of the following */
     shard_index kept[KEPT_INDICES];
     uint64_t time;
 };
@@ -57,8 +58,8 @@ uint64_t iso_zarr_index_bytes(const iso_zarr_array *array) {
     return array->sharded ? 16 * (elements_of(array, array->shard) / iso_zarr_chunk_elements(array)) : 0;
 }
 
-iso_status iso_zarr_chunks_create(const char *folder, const iso_zarr_array *array, uint64_t index_memory,
-                                  iso_zarr_chunks **chunks, iso_error *error) {
+iso_status iso_zarr_chunks_create(const char *folder, const iso_zarr_array *array, const iso_remote *remote,
+                                  uint64_t index_memory, iso_zarr_chunks **chunks, iso_error *error) {
     iso_zarr_chunks *made = calloc(1, sizeof *made);
     *chunks = NULL;
     if (made) made->folder = strdup(folder);
@@ -67,6 +68,7 @@ iso_status iso_zarr_chunks_create(const char *folder, const iso_zarr_array *arra
         return iso_fail_memory(error, folder);
     }
     made->array = *array;
+    made->remote = remote;
     made->bytes = (size_t)(iso_zarr_chunk_elements(array) * iso_scalar_size(array->scalar));
     made->most_kept = KEPT_INDICES;
     while (made->most_kept > 1 && (uint64_t)made->most_kept * iso_zarr_index_bytes(array) > index_memory)
@@ -127,17 +129,34 @@ typedef struct part {
     uint64_t offset, size;
 } part;
 
-/* Opens a file; *file is -1, without an error, if it does not exist. */
-static iso_status open_file(const place *p, int *file, uint64_t *bytes, iso_error *error) {
-    *file = -1;
-    if (access(p->path, F_OK) != 0 && errno == ENOENT) return ISO_OK;
-    return iso_file_descriptor(p->path, file, bytes, error);
+/* The file of a chunk or shard. */
+typedef struct chunk_file {
+    const iso_remote *remote; /* of one on a server, whose size is not known */
+    int descriptor;           /* -1: it does not exist */
+    uint64_t bytes;
+} chunk_file;
+
+/* Opens a file. Whether one on a server exists turns out when it is read. */
+static iso_status open_file(const iso_zarr_chunks *chunks, const place *p, chunk_file *file,
+                            iso_error *error) {
+    *file = (chunk_file){chunks->remote, -1, UINT64_MAX};
+    if (file->remote || (access(p->path, F_OK) != 0 && errno == ENOENT)) return ISO_OK;
+    return iso_file_descriptor(p->path, &file->descriptor, &file->bytes, error);
 }
 
-static iso_status read_part(int file, const place *p, part wanted, void *target, iso_error *error) {
+static bool is_absent(const chunk_file *file) {
+    return !file->remote && file->descriptor < 0;
+}
+
+static void close_file(const chunk_file *file) {
+    if (file->descriptor >= 0) close(file->descriptor);
+}
+
+static iso_status read_part(const chunk_file *file, const place *p, part wanted, void *target,
+                            iso_error *error) {
     for (uint64_t done = 0; done < wanted.size;) {
-        const ssize_t got =
-            pread(file, (char *)target + done, (size_t)(wanted.size - done), (off_t)(wanted.offset + done));
+        const ssize_t got = pread(file->descriptor, (char *)target + done, (size_t)(wanted.size - done),
+                                  (off_t)(wanted.offset + done));
         if (got < 0 && errno == EINTR) continue;
         if (got < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", p->name, strerror(errno));
         if (got == 0) return iso_fail(error, ISO_ERR_IO, "%s: became shorter while it was read", p->name);
@@ -148,18 +167,40 @@ static iso_status read_part(int file, const place *p, part wanted, void *target,
 
 /* ---- shards */
 
-/* Reads the index of a shard, of 16 * in_shard bytes and perhaps a checksum. */
-static iso_status read_index(const iso_zarr_chunks *chunks, int file, uint64_t file_bytes, const place *p,
+/* Reads the bytes of the index of a shard. *absent: the server has no such file. */
+static iso_status load_index(const iso_zarr_array *array, const chunk_file *file, const place *p, size_t size,
+                             unsigned char *target, bool *absent, iso_error *error) {
+    *absent = false;
+    if (file->remote) {
+        const iso_remote_part wanted = {array->index_at_start ? ISO_REMOTE_BYTES : ISO_REMOTE_LAST, 0, size};
+        iso_buffer bytes = {0};
+        size_t count;
+        const iso_status status = file->remote->read(p->path, &wanted, &bytes, &count, absent, error);
+        if (status == ISO_OK && !*absent) memcpy(target, bytes.data, size);
+        iso_buffer_free(&bytes);
+        return status;
+    }
+    if (file->bytes < size)
+        return iso_fail(error, ISO_ERR_IO, "%s: truncated: %llu bytes are less than the index of a shard",
+                        p->path, (unsigned long long)file->bytes);
+    const part where = {array->index_at_start ? 0 : file->bytes - size, size};
+    return read_part(file, p, where, target, error);
+}
+
+/* Reads the index of a shard, of 16 * in_shard bytes and perhaps a checksum. That of a shard that a server
+ * does not have says that all chunks are absent. */
+static iso_status read_index(const iso_zarr_chunks *chunks, const chunk_file *file, const place *p,
                              uint64_t *entries, iso_error *error) {
     const iso_zarr_array *array = &chunks->array;
     const size_t bytes = (size_t)iso_zarr_index_bytes(array),
                  size = bytes + (array->index_codecs.count ? 4 : 0);
     unsigned char *byte = (unsigned char *)entries;
-    if (file_bytes < size)
-        return iso_fail(error, ISO_ERR_IO, "%s: truncated: %llu bytes are less than the index of a shard",
-                        p->path, (unsigned long long)file_bytes);
-    const part where = {array->index_at_start ? 0 : file_bytes - size, size};
-    ISO_TRY(read_part(file, p, where, byte, error));
+    bool absent;
+    ISO_TRY(load_index(array, file, p, size, byte, &absent, error));
+    if (absent) {
+        memset(entries, 0xff, bytes);
+        return ISO_OK;
+    }
     if (size > bytes && iso_crc32c(0, byte, bytes) != (uint32_t)little_endian(byte + bytes, 4))
         return iso_fail(error, ISO_ERR_IO, "%s, index of the shard: damaged (crc32c)", p->path);
     for (size_t i = 0; i < bytes / 8; i++) entries[i] = little_endian(byte + 8 * i, 8);
@@ -167,7 +208,7 @@ static iso_status read_index(const iso_zarr_chunks *chunks, int file, uint64_t f
 }
 
 /* Reads an index in the place of the one that was used least recently. */
-static iso_status keep_index(iso_zarr_chunks *chunks, int file, uint64_t file_bytes, const place *p,
+static iso_status keep_index(iso_zarr_chunks *chunks, const chunk_file *file, const place *p,
                              shard_index **kept, iso_error *error) {
     enum { CHECKSUM = 8 };
     shard_index *oldest = &chunks->kept[0];
@@ -176,7 +217,7 @@ static iso_status keep_index(iso_zarr_chunks *chunks, int file, uint64_t file_by
     if (!oldest->entries)
         oldest->entries = iso_alloc((size_t)iso_zarr_index_bytes(&chunks->array) + CHECKSUM);
     if (!oldest->entries) return iso_fail_memory(error, p->path);
-    const iso_status status = read_index(chunks, file, file_bytes, p, oldest->entries, error);
+    const iso_status status = read_index(chunks, file, p, oldest->entries, error);
     if (status != ISO_OK) {
         iso_free(oldest->entries);
         *oldest = (shard_index){.used = 0};
@@ -199,12 +240,12 @@ static shard_index *find_kept(iso_zarr_chunks *chunks, const place *p) {
 }
 
 /* Where a chunk lies in the file of its shard. */
-static iso_status find_in_shard(iso_zarr_chunks *chunks, int file, uint64_t file_bytes, const place *p,
-                                part *found, iso_error *error) {
+static iso_status find_in_shard(iso_zarr_chunks *chunks, const chunk_file *file, const place *p, part *found,
+                                iso_error *error) {
     iso_status status = ISO_OK;
     pthread_mutex_lock(&chunks->lock);
     shard_index *kept = find_kept(chunks, p);
-    if (!kept) status = keep_index(chunks, file, file_bytes, p, &kept, error);
+    if (!kept) status = keep_index(chunks, file, p, &kept, error);
     if (status == ISO_OK) *found = (part){kept->entries[2 * p->number], kept->entries[2 * p->number + 1]};
     pthread_mutex_unlock(&chunks->lock);
     return status;
@@ -213,11 +254,10 @@ static iso_status find_in_shard(iso_zarr_chunks *chunks, int file, uint64_t file
 /* Reads the index of a shard, if it is not kept. NULL: it cannot be read. */
 static const shard_index *index_of(iso_zarr_chunks *chunks, const place *p) {
     shard_index *kept = find_kept(chunks, p);
-    int file;
-    uint64_t bytes;
-    if (kept || open_file(p, &file, &bytes, NULL) != ISO_OK || file < 0) return kept;
-    if (keep_index(chunks, file, bytes, p, &kept, NULL) != ISO_OK) kept = NULL;
-    close(file);
+    chunk_file file;
+    if (kept || open_file(chunks, p, &file, NULL) != ISO_OK || is_absent(&file)) return kept;
+    if (keep_index(chunks, &file, p, &kept, NULL) != ISO_OK) kept = NULL;
+    close_file(&file);
     return kept;
 }
 
@@ -242,37 +282,47 @@ uint64_t iso_zarr_next_in_shard(iso_zarr_chunks *chunks, const uint64_t index[IS
 /* ---- chunks */
 
 /* Finds the bytes of a chunk in an open file. *absent: there are none. */
-static iso_status find_part(iso_zarr_chunks *chunks, int file, uint64_t file_bytes, const place *p,
-                            part *found, bool *absent, iso_error *error) {
-    *found = (part){0, file_bytes};
+static iso_status find_part(iso_zarr_chunks *chunks, const chunk_file *file, const place *p, part *found,
+                            bool *absent, iso_error *error) {
+    *found = (part){0, file->bytes};
     *absent = false;
     if (chunks->array.sharded) {
-        ISO_TRY(find_in_shard(chunks, file, file_bytes, p, found, error));
+        ISO_TRY(find_in_shard(chunks, file, p, found, error));
         *absent = found->offset == UINT64_MAX && found->size == UINT64_MAX;
         if (*absent) return ISO_OK;
-        if (found->offset > file_bytes || found->size > file_bytes - found->offset)
+        if (found->offset > file->bytes || found->size > file->bytes - found->offset)
             return iso_fail(error, ISO_ERR_IO, "%s: truncated: it ends at byte %llu of %llu", p->name,
                             (unsigned long long)(found->offset + found->size),
-                            (unsigned long long)file_bytes);
+                            (unsigned long long)file->bytes);
+    } else if (file->remote) {
+        found->size = iso_zarr_most_encoded(&chunks->array);
     }
     if (found->size <= iso_zarr_most_encoded(&chunks->array)) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: damaged: %llu bytes are more than a chunk of %zu bytes can take",
                     p->name, (unsigned long long)found->size, chunks->bytes);
 }
 
-static iso_status read_encoded(iso_zarr_chunks *chunks, int file, const place *p, part where, void *target,
-                               iso_error *error) {
-    char *encoded = iso_alloc((size_t)where.size + 1);
+/* Reads the bytes of a chunk, which on a server are `where` of a shard, or a file. */
+static iso_status load_chunk(const iso_zarr_chunks *chunks, const chunk_file *file, const place *p,
+                             part where, iso_buffer *encoded, size_t *size, bool *absent, iso_error *error) {
+    if (file->remote) {
+        const iso_remote_part wanted = {chunks->array.sharded ? ISO_REMOTE_BYTES : ISO_REMOTE_WHOLE,
+                                        where.offset, where.size};
+        return file->remote->read(p->path, &wanted, encoded, size, absent, error);
+    }
+    *size = (size_t)where.size;
+    if (iso_buffer_reserve(encoded, *size + 1, 0, NULL) != ISO_OK) return iso_fail_memory(error, p->name);
+    return read_part(file, p, where, encoded->data, error);
+}
+
+static iso_status decode_chunk(const iso_zarr_chunks *chunks, const place *p, const void *encoded,
+                               size_t size, void *target, iso_error *error) {
     void *room = iso_alloc((size_t)iso_zarr_decode_room(chunks->bytes));
-    iso_status status =
-        encoded && room ? read_part(file, p, where, encoded, error) : iso_fail_memory(error, p->name);
-    const size_t size = (size_t)where.size;
-    if (status == ISO_OK && chunks->array.n5)
-        status = iso_zarr_decode_block(&chunks->array, p->name, encoded, size, target, room, error);
-    else if (status == ISO_OK)
-        status = iso_zarr_decode(&chunks->array.codecs, p->name, encoded, size, target, chunks->bytes, room,
-                                 error);
-    iso_free(encoded);
+    if (!room) return iso_fail_memory(error, p->name);
+    const iso_status status =
+        chunks->array.n5 ? iso_zarr_decode_block(&chunks->array, p->name, encoded, size, target, room, error)
+                         : iso_zarr_decode(&chunks->array.codecs, p->name, encoded, size, target,
+                                           chunks->bytes, room, error);
     iso_free(room);
     return status;
 }
@@ -281,21 +331,27 @@ iso_status iso_zarr_read_chunk(iso_zarr_chunks *chunks, const uint64_t index[ISO
                                bool *absent, iso_error *error) {
     place p;
     part where;
-    int file;
-    uint64_t bytes;
+    chunk_file file;
+    iso_buffer encoded = {0};
+    size_t size = 0;
     ISO_TRY(find_place(chunks, index, &p, error));
-    ISO_TRY(open_file(&p, &file, &bytes, error));
-    *absent = file < 0;
+    ISO_TRY(open_file(chunks, &p, &file, error));
+    *absent = is_absent(&file);
     if (*absent) return ISO_OK;
-    iso_status status = find_part(chunks, file, bytes, &p, &where, absent, error);
-    if (status == ISO_OK && !*absent) status = read_encoded(chunks, file, &p, where, target, error);
-    close(file);
+    iso_status status = find_part(chunks, &file, &p, &where, absent, error);
+    if (status == ISO_OK && !*absent)
+        status = load_chunk(chunks, &file, &p, where, &encoded, &size, absent, error);
+    if (status == ISO_OK && !*absent)
+        status = decode_chunk(chunks, &p, encoded.data ? encoded.data : "", size, target, error);
+    iso_buffer_free(&encoded);
+    close_file(&file);
     return status;
 }
 
 void iso_zarr_list_files(iso_zarr_chunks *chunks, uint64_t most, iso_file_set *files) {
     const iso_zarr_array *array = &chunks->array;
     uint64_t counts[ISO_ZARR_AXES] = {0}, index[ISO_ZARR_AXES] = {0}, all = 1;
+    if (chunks->remote) return;
     for (int axis = 0; axis < array->axes; axis++) {
         counts[axis] = (array->shape[axis] - 1) / array->shard[axis] + 1;
         if (__builtin_mul_overflow(all, counts[axis], &all) || all > most) return;

@@ -238,7 +238,7 @@ static iso_status describe_volume(const char *path, const iso_volume_opts *opts,
 static iso_status list_files(zarr_volume *v, const iso_volume_opts *opts, iso_error *error) {
     iso_zarr_chunks *chunks;
     if (!opts->files) return ISO_OK;
-    ISO_TRY(iso_zarr_chunks_create(v->folder, &v->array, 0, &chunks, error));
+    ISO_TRY(iso_zarr_chunks_create(v->folder, &v->array, opts->remote, 0, &chunks, error));
     iso_zarr_list_files(chunks, MOST_LISTED, opts->files);
     iso_zarr_chunks_destroy(chunks);
     return ISO_OK;
@@ -363,9 +363,12 @@ static iso_status read_tile(void *context, const int index[3], void *target, iso
     if (!values) return iso_fail_memory(error, t->volume.folder);
     index_of_chunk(t, index, chunk);
     iso_status status = iso_zarr_read_chunk(t->chunks, chunk, values, &absent, error);
-    if (status == ISO_OK && absent)
+    if (status == ISO_OK && !absent)
+        extract(t, values, target);
+    else if (status == ISO_OK && t->files.may_all_exist)
+        iso_scalar_fill(t->type, t->fill, target, t->voxels);
+    else if (status == ISO_OK)
         status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", t->volume.folder);
-    if (status == ISO_OK) extract(t, values, target);
     iso_free(values);
     return status;
 }
@@ -459,7 +462,7 @@ static iso_status open_tiles(const char *path, const iso_volume_opts *opts, cons
     set_component(t, info->component);
     ISO_TRY(set_fill(t, error));
     ISO_TRY(list_stored(t, error));
-    return iso_zarr_chunks_create(v->folder, &v->array, limit / 16, &t->chunks, error);
+    return iso_zarr_chunks_create(v->folder, &v->array, opts->remote, limit / 16, &t->chunks, error);
 }
 
 static iso_status zarr_open_tiled(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,

@@ -17,41 +17,50 @@
  * is not parsed at all. */
 enum { MOST_JSON = 1 << 20 };
 
-static iso_status parse(const char *path, FILE *file, uint64_t bytes, json_t **json, iso_error *error) {
+static iso_status parse(const char *path, const char *text, size_t bytes, json_t **json, iso_error *error) {
     json_error_t wrong;
-    char *text = iso_alloc((size_t)bytes + 1);
-    if (!text) return iso_fail_memory(error, path);
+    *json = json_loadb(text, bytes, JSON_DECODE_INT_AS_REAL, &wrong);
+    if (!*json)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: not JSON: line %d: %s", path, wrong.line, wrong.text);
+    if (json_is_object(*json)) return ISO_OK;
+    json_decref(*json);
+    *json = NULL;
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: not a JSON object", path);
+}
+
+/* Loads a file of metadata; *absent: there is none. */
+static iso_status load(const char *path, iso_buffer *text, size_t *bytes, bool *absent, iso_error *error) {
+    FILE *file;
+    uint64_t size;
+    *absent = access(path, F_OK) != 0;
+    if (*absent) return ISO_OK;
+    ISO_TRY(iso_file_open(path, &file, &size, error));
     iso_status status = ISO_OK;
-    if (fread(text, 1, (size_t)bytes, file) != bytes)
+    if (size > MOST_JSON)
+        status = iso_fail(error, ISO_ERR_LIMIT, "%s: has %.1f MB, metadata of more than %d MB is not read",
+                          path, (double)size / (1 << 20), MOST_JSON >> 20);
+    else if (iso_buffer_reserve(text, (size_t)size + 1, 0, NULL) != ISO_OK)
+        status = iso_fail_memory(error, path);
+    else if (fread(text->data, 1, (size_t)size, file) != size)
         status = iso_fail(error, ISO_ERR_IO, "%s: cannot be read, or changed meanwhile", path);
-    else if (!(*json = json_loadb(text, (size_t)bytes, JSON_DECODE_INT_AS_REAL, &wrong)))
-        status = iso_fail(error, ISO_ERR_FORMAT, "%s: not JSON: line %d: %s", path, wrong.line, wrong.text);
-    iso_free(text);
-    if (status == ISO_OK && !json_is_object(*json)) {
-        json_decref(*json);
-        *json = NULL;
-        status = iso_fail(error, ISO_ERR_FORMAT, "%s: not a JSON object", path);
-    }
+    fclose(file);
+    *bytes = (size_t)size;
     return status;
 }
 
-iso_status iso_zarr_read_json(const char *folder, const char *name, json_t **json, iso_error *error) {
+iso_status iso_zarr_read_json(const char *folder, const char *name, const iso_volume_opts *opts,
+                              json_t **json, iso_error *error) {
+    static const iso_remote_part all = {ISO_REMOTE_METADATA, 0, MOST_JSON};
     char *path;
-    FILE *file;
-    uint64_t bytes;
+    iso_buffer text = {0};
+    size_t bytes;
+    bool absent;
     *json = NULL;
     if (asprintf(&path, "%s/%s", folder, name) < 0) return iso_fail_memory(error, folder);
-    iso_status status = ISO_OK;
-    if (access(path, F_OK) == 0) {
-        status = iso_file_open(path, &file, &bytes, error);
-        if (status == ISO_OK) {
-            status = bytes > MOST_JSON ? iso_fail(error, ISO_ERR_LIMIT,
-                                                  "%s: has %.1f MB, metadata of more than %d MB is not read",
-                                                  path, (double)bytes / (1 << 20), MOST_JSON >> 20)
-                                       : parse(path, file, bytes, json, error);
-            fclose(file);
-        }
-    }
+    iso_status status = opts->remote ? opts->remote->read(path, &all, &text, &bytes, &absent, error)
+                                     : load(path, &text, &bytes, &absent, error);
+    if (status == ISO_OK && !absent) status = parse(path, text.data ? text.data : "", bytes, json, error);
+    iso_buffer_free(&text);
     free(path);
     return status;
 }
@@ -502,7 +511,7 @@ static iso_status read_file(const char *folder, const char *name, const iso_volu
                             iso_zarr_array *array, bool *found, iso_error *error) {
     json_t *json;
     char *path;
-    ISO_TRY(iso_zarr_read_json(folder, name, &json, error));
+    ISO_TRY(iso_zarr_read_json(folder, name, opts, &json, error));
     const char *node = json_string_value(json_object_get(json, "node_type"));
     const bool is_v2 = strcmp(name, ".zarray") == 0, is_n5 = strcmp(name, "attributes.json") == 0;
     *found =

@@ -173,6 +173,9 @@ static iso_status refuse_folder(const char *folder, const json_t *attributes, is
         return iso_fail(error, ISO_ERR_FORMAT,
                         "%s: is a plate or well of images: give the folder of one of them, such as %s/A/1/0",
                         folder, folder);
+    if (!attributes && iso_is_url(folder))
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: holds no Zarr or N5: no zarr.json, .zattrs, .zarray or attributes.json", folder);
     return iso_fail(error, ISO_ERR_FORMAT,
                     "%s: is a group without an image: give the folder of an image or array in it", folder);
 }
@@ -188,7 +191,7 @@ static iso_status read_attributes(const char *folder, const iso_volume_opts *opt
     for (int i = 0; i < 2 && !*owner; i++) {
         free(*path);
         *path = NULL;
-        ISO_TRY(iso_zarr_read_json(folder, files[i], owner, error));
+        ISO_TRY(iso_zarr_read_json(folder, files[i], opts, owner, error));
         if (*owner && asprintf(path, "%s/%s", folder, files[i]) < 0) {
             *path = NULL;
             return iso_fail_memory(error, folder);
@@ -211,17 +214,14 @@ static iso_status read_first_image(const char *folder, const iso_volume_opts *op
     return status;
 }
 
-static bool has_file(const char *folder, const char *name) {
-    char *path;
-    if (asprintf(&path, "%s/%s", folder, name) < 0) return false;
-    const bool found = access(path, R_OK) == 0;
-    free(path);
-    return found;
-}
-
 /* Whether a folder may have an array of Zarr 2 or N5. */
-static bool is_array(const char *folder) {
-    return has_file(folder, ".zarray") || has_file(folder, "attributes.json");
+static bool is_array(const char *folder, const iso_volume_opts *opts) {
+    json_t *v2, *n5 = NULL;
+    bool found = iso_zarr_read_json(folder, ".zarray", opts, &v2, NULL) != ISO_OK || v2;
+    if (!found) found = iso_zarr_read_json(folder, "attributes.json", opts, &n5, NULL) != ISO_OK || n5;
+    json_decref(v2);
+    json_decref(n5);
+    return found;
 }
 
 static iso_status read_in(const char *folder, const iso_volume_opts *opts, int depth, iso_zarr_image *image,
@@ -239,7 +239,7 @@ static iso_status read_in(const char *folder, const iso_volume_opts *opts, int d
         status = read_scales(&m, error);
     } else if (status == ISO_OK && is_converted(m.json) && depth == 0) {
         status = read_first_image(folder, opts, depth, image, found, error);
-    } else if (status == ISO_OK && !(node && strcmp(node, "array") == 0) && !is_array(folder)) {
+    } else if (status == ISO_OK && !(node && strcmp(node, "array") == 0) && !is_array(folder, opts)) {
         status = refuse_folder(folder, m.json, error);
     }
     json_decref(owner);

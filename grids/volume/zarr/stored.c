@@ -106,6 +106,8 @@ iso_status iso_zarr_files_list(const char *folder, const iso_zarr_array *array, 
     const bool below = array->has_prefix && array->separator == '/';
     const int length = snprintf(l.path, sizeof l.path, "%s%s", folder, below ? "/c" : "");
     files->count = 0;
+    files->may_all_exist = iso_is_url(folder);
+    if (files->may_all_exist) return ISO_OK;
     if (length >= (int)sizeof l.path)
         return iso_fail(error, ISO_ERR_IO, "%s: names of its chunks are too long", folder);
     ISO_TRY(list_names(&l, 0, (size_t)length, error));
@@ -116,6 +118,8 @@ iso_status iso_zarr_files_list(const char *folder, const iso_zarr_array *array, 
 
 uint64_t iso_zarr_files_next(const iso_zarr_files *files, uint64_t from) {
     const uint64_t *numbers = files->numbers.data;
+    if (files->may_all_exist)
+        return from < files->counts[0] * files->counts[1] * files->counts[2] ? from : UINT64_MAX;
     size_t begin = 0, end = files->count;
     while (begin < end) {
         const size_t middle = begin + (end - begin) / 2;

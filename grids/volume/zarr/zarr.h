@@ -1,15 +1,15 @@
 /* zarr: the types and functions of the Zarr reader: arrays of Zarr v2 and v3, and multiscale images of
- * OME-Zarr 0.4 and 0.5, in local folders; and arrays of N5, which have other metadata, and headers of chunks.
+ * OME-Zarr 0.4 and 0.5, in folders or on servers; and arrays of N5, which have other metadata, and
+ * headers of chunks.
  *
- * metadata.c reads the JSON files of an array, ome.c those of an image, codecs.c undoes the codecs of a chunk
- * (Zarr's word for its tiles) by grids/volume/codecs.h, chunks.c finds them in files and shards, and
- * format_zarr.c is the reader (a module, with jansson, zlib, libblosc, libzstd and liblz4). All texts of the
- * metadata come from outside: every number is checked, and names of folders cannot lead out of the image's
- * folder.
+ * metadata.c reads the JSON files of an array, ome.c those of an image, codecs.c undoes the codecs of a
+ * chunk (Zarr's word for its tiles) by grids/volume/codecs.h, chunks.c finds them in files and shards,
+ * and format_zarr.c is the reader (a module, with jansson, zlib, libblosc, libzstd and liblz4). All texts
+ * of the metadata come from outside: every number is checked, and names of folders cannot lead out of the
+ * image's folder.
  *
  * Specifications: zarr-specs.readthedocs.io (v2, v3 with its codecs), ngff.openmicroscopy.org (0.4, 0.5),
- * github.com/saalfeldlab/n5.
- */
+ * github.com/saalfeldlab/n5. */
 #ifndef ISO_GRIDS_VOLUME_ZARR_ZARR_H
 #define ISO_GRIDS_VOLUME_ZARR_ZARR_H
 
@@ -18,6 +18,7 @@
 #include "base/memory.h"
 #include "grids/volume/codecs.h"
 #include "grids/volume/format.h"
+#include "grids/volume/remote/remote.h"
 
 enum { ISO_ZARR_AXES = 8, ISO_ZARR_CODECS = 8, ISO_ZARR_LEVELS = 32, ISO_ZARR_NAME = 64 };
 
@@ -72,7 +73,8 @@ typedef struct iso_zarr_array {
 
 /* Reads a JSON file, an object; json_decref when done. *json is NULL, without an error, if the file does not
  * exist. Integers become reals. ISO_ERR_IO, ISO_ERR_FORMAT; ISO_ERR_LIMIT: it is too long for metadata. */
-iso_status iso_zarr_read_json(const char *folder, const char *name, json_t **json, iso_error *error);
+iso_status iso_zarr_read_json(const char *folder, const char *name, const iso_volume_opts *opts,
+                              json_t **json, iso_error *error);
 
 /* Reads the metadata of the array in a folder: zarr.json, .zarray, or attributes.json of N5, which are added
  * to opts->files. *found: whether the folder has an array. ISO_ERR_IO, ISO_ERR_FORMAT: damaged, or of a kind
@@ -112,17 +114,18 @@ void iso_zarr_image_free(iso_zarr_image *image);
 /* ---- files ---- */
 
 /* The files of chunks or shards that exist, of those that hold the voxels of one component. Zero `numbers`
- * and `count`; set the others. */
+ * and `count`; set the others. On a server, whose folders cannot be listed, all may exist. */
 typedef struct iso_zarr_files {
     int space[3];                  /* the axes of x, y and z; -1: there is none */
     uint64_t counts[3];            /* files along x, y and z */
     uint64_t fixed[ISO_ZARR_AXES]; /* the number of the file on the other axes */
     iso_buffer numbers;            /* uint64_t, ascending; files are numbered along x, y and z */
     size_t count;
+    bool may_all_exist;
 } iso_zarr_files;
 
-/* Lists the files of the array in `folder`; iso_zarr_files_free when done, also after an error. ISO_ERR_IO: a
- * folder cannot be read; ISO_ERR_NOMEM. */
+/* Lists the files of the array in `folder`, unless it is on a server; iso_zarr_files_free when done, also
+ * after an error. ISO_ERR_IO: a folder cannot be read; ISO_ERR_NOMEM. */
 iso_status iso_zarr_files_list(const char *folder, const iso_zarr_array *array, iso_zarr_files *files,
                                iso_error *error);
 void iso_zarr_files_free(iso_zarr_files *files);
@@ -137,10 +140,11 @@ typedef struct iso_zarr_chunks iso_zarr_chunks;
 /* The bytes of the index of a shard; 0: there are no shards. */
 uint64_t iso_zarr_index_bytes(const iso_zarr_array *array);
 
-/* `index_memory`: bytes for indices of shards, one of which is always kept. `folder` and `array` are copied.
+/* `remote`: of a folder on a server. `index_memory`: bytes for indices of shards, one of which is always
+ * kept. `folder` and `array` are copied.
  * ISO_ERR_NOMEM. */
-iso_status iso_zarr_chunks_create(const char *folder, const iso_zarr_array *array, uint64_t index_memory,
-                                  iso_zarr_chunks **chunks, iso_error *error);
+iso_status iso_zarr_chunks_create(const char *folder, const iso_zarr_array *array, const iso_remote *remote,
+                                  uint64_t index_memory, iso_zarr_chunks **chunks, iso_error *error);
 void iso_zarr_chunks_destroy(iso_zarr_chunks *chunks);
 
 /* The elements of a chunk, and the most bytes that one may take in its file: codecs do not make data much
@@ -164,7 +168,8 @@ iso_status iso_zarr_read_chunk(iso_zarr_chunks *chunks, const uint64_t index[ISO
 iso_status iso_zarr_decode_block(const iso_zarr_array *array, const char *name, const void *encoded,
                                  size_t size, void *target, void *room, iso_error *error);
 
-/* Adds the files of at most `most` chunks or shards to a set. Nothing is added if there are more. */
+/* Adds the files of at most `most` chunks or shards to a set. Nothing is added if there are more, or on a
+ * server. */
 void iso_zarr_list_files(iso_zarr_chunks *chunks, uint64_t most, iso_file_set *files);
 
 #endif

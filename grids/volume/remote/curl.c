@@ -1,0 +1,194 @@
+/* Reads bytes from servers by libcurl (a module). Connections are kept for the next requests. */
+#include <curl/curl.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <strings.h>
+#include <time.h>
+
+#include "grids/volume/module.h"
+#include "grids/volume/remote/remote.h"
+
+enum { TRIES = 4, IDLE = 16, CONNECT_SECONDS = 20, SILENT_SECONDS = 60, REDIRECTS = 5 };
+
+/* One request, and what came. */
+typedef struct request {
+    const char *url;
+    const iso_remote_part *part;
+    iso_buffer *bytes;
+    size_t count;
+    char mark[256]; /* the ETag of the reply */
+    bool too_long, out_of_memory;
+} request;
+
+/* ---- handles */
+
+static pthread_mutex_t idle_lock = PTHREAD_MUTEX_INITIALIZER;
+static CURL *idle[IDLE];
+static int idle_count;
+
+static void begin(void) {
+    curl_global_init(CURL_GLOBAL_DEFAULT);
+}
+
+static CURL *take_handle(void) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    CURL *handle = NULL;
+    pthread_once(&once, begin);
+    pthread_mutex_lock(&idle_lock);
+    if (idle_count > 0) handle = idle[--idle_count];
+    pthread_mutex_unlock(&idle_lock);
+    return handle ? handle : curl_easy_init();
+}
+
+static void give_handle(CURL *handle) {
+    curl_easy_reset(handle); /* keeps its connections */
+    pthread_mutex_lock(&idle_lock);
+    const bool kept = idle_count < IDLE;
+    if (kept) idle[idle_count++] = handle;
+    pthread_mutex_unlock(&idle_lock);
+    if (!kept) curl_easy_cleanup(handle);
+}
+
+/* ---- a reply */
+
+static size_t take_bytes(char *bytes, size_t one, size_t count, void *context) {
+    request *r = context;
+    (void)one;
+    r->too_long = count > r->part->size - r->count;
+    r->out_of_memory =
+        !r->too_long && iso_buffer_reserve(r->bytes, r->count + count + 1, r->count, NULL) != ISO_OK;
+    if (r->too_long || r->out_of_memory) return 0; /* ends the transfer */
+    memcpy((char *)r->bytes->data + r->count, bytes, count);
+    r->count += count;
+    return count;
+}
+
+/* Takes the ETag; each reply on the way, such as one that redirects, begins with HTTP/. */
+static size_t take_header(char *line, size_t one, size_t count, void *context) {
+    static const char name[] = "etag:";
+    request *r = context;
+    (void)one;
+    if (count > 5 && strncasecmp(line, "HTTP/", 5) == 0) *r->mark = 0;
+    if (count < sizeof name || strncasecmp(line, name, sizeof name - 1) != 0) return count;
+    size_t from = sizeof name - 1, to = count;
+    while (from < to && line[from] == ' ') from++;
+    while (to > from && (unsigned char)line[to - 1] <= ' ') to--;
+    if (to - from < sizeof r->mark && line[from] != 'W') { /* (W/: of the same meaning, not the same bytes) */
+        memcpy(r->mark, line + from, to - from);
+        r->mark[to - from] = 0;
+    }
+    return count;
+}
+
+/* One request. *code: the server's answer, or 0. */
+static CURLcode perform(CURL *handle, request *r, const char *kept_mark, long *code) {
+    char range[64], condition[300];
+    struct curl_slist *headers = NULL;
+    r->count = 0;
+    *r->mark = 0;
+    r->too_long = r->out_of_memory = false;
+    *code = 0;
+    if (*kept_mark) {
+        snprintf(condition, sizeof condition, "If-None-Match: %s", kept_mark);
+        headers = curl_slist_append(NULL, condition);
+    }
+    curl_easy_setopt(handle, CURLOPT_URL, r->url);
+    curl_easy_setopt(handle, CURLOPT_HTTPHEADER, headers);
+    curl_easy_setopt(handle, CURLOPT_USERAGENT, "isopoint/" ISO_VERSION);
+    curl_easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
+    curl_easy_setopt(handle, CURLOPT_REDIR_PROTOCOLS_STR, "http,https");
+    curl_easy_setopt(handle, CURLOPT_FOLLOWLOCATION, 1L);
+    curl_easy_setopt(handle, CURLOPT_MAXREDIRS, (long)REDIRECTS);
+    curl_easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
+    curl_easy_setopt(handle, CURLOPT_CONNECTTIMEOUT, (long)CONNECT_SECONDS);
+    curl_easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, 1L);
+    curl_easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, (long)SILENT_SECONDS);
+    curl_easy_setopt(handle, CURLOPT_FAILONERROR, 1L); /* the text of an error page is not wanted */
+    curl_easy_setopt(handle, CURLOPT_WRITEFUNCTION, take_bytes);
+    curl_easy_setopt(handle, CURLOPT_WRITEDATA, r);
+    curl_easy_setopt(handle, CURLOPT_HEADERFUNCTION, take_header);
+    curl_easy_setopt(handle, CURLOPT_HEADERDATA, r);
+    if (r->part->what == ISO_REMOTE_BYTES)
+        snprintf(range, sizeof range, "%llu-%llu", (unsigned long long)r->part->offset,
+                 (unsigned long long)(r->part->offset + r->part->size - 1));
+    else
+        snprintf(range, sizeof range, "-%llu", (unsigned long long)r->part->size);
+    if (r->part->what >= ISO_REMOTE_BYTES) curl_easy_setopt(handle, CURLOPT_RANGE, range);
+    const CURLcode result = curl_easy_perform(handle);
+    curl_easy_getinfo(handle, CURLINFO_RESPONSE_CODE, code);
+    curl_slist_free_all(headers);
+    return result;
+}
+
+/* Whether a request may succeed when it is made again: the server is busy, or the connection broke. */
+static bool may_succeed(CURLcode result, long code) {
+    if (result == CURLE_HTTP_RETURNED_ERROR) return code == 429 || code == 408 || code >= 500;
+    return result == CURLE_PARTIAL_FILE || result == CURLE_RECV_ERROR || result == CURLE_SEND_ERROR ||
+           result == CURLE_GOT_NOTHING || result == CURLE_OPERATION_TIMEDOUT || result == CURLE_HTTP2;
+}
+
+/* What went wrong, if anything. */
+static iso_status judge(const request *r, CURLcode result, long code, iso_error *error) {
+    if (r->out_of_memory) return iso_fail_memory(error, r->url);
+    const bool in_parts = r->part->what >= ISO_REMOTE_BYTES;
+    if (in_parts && code == 200)
+        return iso_fail(error, ISO_ERR_IO, "%s: its server does not send parts of files: copy it here",
+                        r->url);
+    if (r->too_long)
+        return iso_fail(error, ISO_ERR_LIMIT, "%s: has more than %llu bytes", r->url,
+                        (unsigned long long)r->part->size);
+    if (result == CURLE_HTTP_RETURNED_ERROR)
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot be read: the server answers %ld", r->url, code);
+    if (result != CURLE_OK)
+        return iso_fail(error, ISO_ERR_IO, "%s: cannot be read: %s", r->url, curl_easy_strerror(result));
+    if (in_parts && r->count != r->part->size)
+        return iso_fail(error, ISO_ERR_IO, "%s: %zu bytes came where %llu were wanted", r->url, r->count,
+                        (unsigned long long)r->part->size);
+    return ISO_OK;
+}
+
+static iso_status ask(CURL *handle, request *r, const char *kept_mark, long *code, iso_error *error) {
+    CURLcode result = CURLE_OK;
+    for (int i = 0; i < TRIES; i++) {
+        const struct timespec pause = {i > 2, i > 2 ? 0 : 125000000L << i}; /* .25, .5 and 1 s */
+        if (i > 0) nanosleep(&pause, NULL);
+        result = perform(handle, r, kept_mark, code);
+        if (!may_succeed(result, *code)) break;
+    }
+    const bool missing =
+        *code == 404 || *code == 410 || (*code == 403 && r->part->what == ISO_REMOTE_METADATA);
+    return missing || *code == 304 ? ISO_OK : judge(r, result, *code, error);
+}
+
+static iso_status remote_read(const char *url, const iso_remote_part *part, iso_buffer *bytes, size_t *count,
+                              bool *absent, iso_error *error) {
+    iso_remote_entry kept = {.count = 0};
+    request r = {.url = url, .part = part, .bytes = bytes};
+    long code;
+    CURL *handle = take_handle();
+    if (!handle) return iso_fail_memory(error, url);
+    if (part->what != ISO_REMOTE_METADATA) iso_remote_cache_find(url, part, &kept);
+    const iso_status status = ask(handle, &r, kept.mark, &code, error);
+    give_handle(handle);
+    *absent = status == ISO_OK && code >= 400;
+    *count = r.count;
+    if (status == ISO_OK && code == 304) { /* as it is in the cache */
+        iso_buffer_free(bytes);
+        *bytes = kept.bytes;
+        *count = kept.count;
+        return ISO_OK;
+    }
+    iso_buffer_free(&kept.bytes);
+    if (status == ISO_OK && !*absent && part->what != ISO_REMOTE_METADATA) {
+        iso_remote_entry made = {.bytes = *bytes, .count = r.count};
+        memcpy(made.mark, r.mark, sizeof made.mark);
+        iso_remote_cache_keep(url, part, &made);
+    }
+    return status;
+}
+
+static const iso_remote remote = {remote_read};
+
+ISO_MODULE_EXTERN const iso_module iso_module_table;
+const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, NULL, NULL, NULL, NULL, &remote};
