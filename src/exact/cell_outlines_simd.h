@@ -1,6 +1,6 @@
-/* cell_outlines_simd: prepares large cells. Three pairs of lines (iso_exact_outline) bound the pixels of a row
- * whose rays can meet the surface in the cell. Where a cell covers hundreds of pixels, iso_exact_rays holds the
- * linear maps from pixels to rays, and whether the cell is flat. */
+/* cell_outlines_simd: prepares large cells. Three pairs of lines (iso_exact_outline) bound the pixels of a
+ * row whose rays can meet the surface in the cell. Where a cell covers hundreds of pixels, iso_exact_rays
+ * holds the linear maps from pixels to rays, and whether the cell is flat. */
 #ifndef ISO_EXACT_CELL_OUTLINES_SIMD_H
 #define ISO_EXACT_CELL_OUTLINES_SIMD_H
 
@@ -55,11 +55,11 @@ ISO_INLINE void load_rays(const iso_exact_projection *projection, const iso_exac
                  (1e-6f * v_abs(k[0]) + 1e-5f * (v_abs(k[1]) + v_abs(k[2]) + v_abs(k[3]))); /* rounding */
 }
 
-/* Sets the pairs of lines that bound a cell's pixels. Along a ray, the position on an axis and the linear part
- * of the field are linear in depth. Eliminating the depth leaves a combination of both that is linear in the
- * pixel's position, and that the cell's extent on the axis and the bound of the linear part on the surface
- * bound: two parallel lines in the picture, for each axis. (The same for two axes would bound the pixels whose
- * rays meet the cell; of the pixels within these lines it would leave out one of a hundred.) */
+/* Sets the pairs of lines that bound a cell's pixels. Along a ray, the position on an axis and the linear
+ * part of the field are linear in depth. Eliminating the depth leaves a combination of both that is linear in
+ * the pixel's position, and that the cell's extent on the axis and the bound of the linear part on the
+ * surface bound: two parallel lines in the picture, for each axis. (The same for two axes would bound the
+ * pixels whose rays meet the cell; of the pixels within these lines it would leave out one of a hundred.) */
 ISO_INLINE void set_outline(const ex_rays *r, iso_exact_outline *outline) {
     enum { STEP = sizeof(iso_exact_outline) / sizeof(float) };
     const vf zero = v_set(0), *a = r->along, along = a[3] - r->turn * r->field[0];

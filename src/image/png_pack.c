@@ -69,9 +69,9 @@ static void filter_row(const iso_png_packer *packer, int y, uint8_t *out) {
         memcpy(out, row, 4 * width);
 }
 
-/* Filters and deflates rows first .. end - 1. `filtered` has the room that filter_row needs. Unless small files are wanted,
- * deflate uses level 1 with run lengths only: the filter does most of the compression, and searching for
- * matches would take longer than rendering. */
+/* Filters and deflates rows first .. end - 1. `filtered` has the room that filter_row needs. Unless small
+ * files are wanted, deflate uses level 1 with run lengths only: the filter does most of the compression, and
+ * searching for matches would take longer than rendering. */
 static bool deflate_rows(const iso_png_packer *packer, int first, int end, uint8_t *filtered,
                          iso_png_part *part) {
     z_stream z = {0};
