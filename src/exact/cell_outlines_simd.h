@@ -1,6 +1,6 @@
-/* cell_outlines_simd: prepares cells that cover hundreds of pixels. Six pairs of lines (iso_exact_outline)
- * bound the pixels of a row whose rays can meet the surface in the cell; iso_exact_rays holds the linear maps
- * from pixels to rays, and whether the cell is flat. */
+/* cell_outlines_simd: prepares large cells. Three pairs of lines (iso_exact_outline) bound the pixels of a
+ * row whose rays can meet the surface in the cell. Where a cell covers hundreds of pixels, iso_exact_rays
+ * holds the linear maps from pixels to rays, and whether the cell is flat. */
 #ifndef ISO_EXACT_CELL_OUTLINES_SIMD_H
 #define ISO_EXACT_CELL_OUTLINES_SIMD_H
 
@@ -55,35 +55,31 @@ ISO_INLINE void load_rays(const iso_exact_projection *projection, const iso_exac
                  (1e-6f * v_abs(k[0]) + 1e-5f * (v_abs(k[1]) + v_abs(k[2]) + v_abs(k[3]))); /* rounding */
 }
 
-/* Sets the pairs of lines that bound a cell's pixels. A ray's coordinates on two axes are linear in depth.
- * Eliminating the depth leaves a combination of the two coordinates that is linear in the pixel's position,
- * and that the cell's extents on both axes bound: two parallel lines in the picture. */
+/* Sets the pairs of lines that bound a cell's pixels. Along a ray, the position on an axis and the linear
+ * part of the field are linear in depth. Eliminating the depth leaves a combination of both that is linear in
+ * the pixel's position, and that the cell's extent on the axis and the bound of the linear part on the
+ * surface bound: two parallel lines in the picture, for each axis. (The same for two axes would bound the
+ * pixels whose rays meet the cell; of the pixels within these lines it would leave out one of a hundred.) */
 ISO_INLINE void set_outline(const ex_rays *r, iso_exact_outline *outline) {
     enum { STEP = sizeof(iso_exact_outline) / sizeof(float) };
-    static const int pair[ISO_EXACT_LINES][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
-    const vf zero = v_set(0), *a = r->along;
-    vf slope[8], low[8], high[8];
-    for (int n = 0; n < 8; n++) slope[n] = low[n] = high[n] = zero;
+    const vf zero = v_set(0), *a = r->along, along = a[3] - r->turn * r->field[0];
+    vf slope[4] = {zero, zero, zero, zero}, low[4] = {zero, zero, zero, zero},
+       high[4] = {zero, zero, zero, zero};
     for (int n = 0; n < ISO_EXACT_LINES; n++) {
-        const int i = pair[n][0], j = pair[n][1];
-        const vf along = j < 3 ? a[j] : a[j] - r->turn * r->field[0];
-        const vf x = along * r->right[i] - a[i] * r->right[j], y = along * r->down[i] - a[i] * r->down[j],
-                 rest = j < 3 ? zero : a[i] * r->field[0],
-                 most = r->half[i] * r->most[j] + r->half[j] * r->most[i];
+        const vf x = along * r->right[n] - a[n] * r->right[3], y = along * r->down[n] - a[n] * r->down[3],
+                 most = r->half[n] * r->most[3] + r->half[3] * r->most[n];
         /* a line that is nearly parallel to the rows is left out, because rounding would move its ends far */
-        const vf least = 1e-2f * (v_abs(along) * (v_abs(r->right[i]) + v_abs(r->down[i])) +
-                                  v_abs(a[i]) * (v_abs(r->right[j]) + v_abs(r->down[j])));
+        const vf least = 1e-2f * (v_abs(along) * (v_abs(r->right[n]) + v_abs(r->down[n])) +
+                                  v_abs(a[n]) * (v_abs(r->right[3]) + v_abs(r->down[3])));
         const vm cuts = v_lt(least, v_abs(x));
-        const vf by = 1 / x, middle = rest * by, half = most * v_abs(by);
+        const vf by = 1 / x, middle = a[n] * r->field[0] * by, half = most * v_abs(by);
         slope[n] = v_select(cuts, -(y * by), zero);
         low[n] = v_select(cuts, middle - half, v_set(-1e8f));
         high[n] = v_select(cuts, middle + half, v_set(1e8f));
     }
-    for (int part = 0; part < 8; part += 4) {
-        v_store4(outline->slope + part, STEP, slope + part);
-        v_store4(outline->low + part, STEP, low + part);
-        v_store4(outline->high + part, STEP, high + part);
-    }
+    v_store4(outline->slope, STEP, slope);
+    v_store4(outline->low, STEP, low);
+    v_store4(outline->high, STEP, high);
 }
 
 /* Sets `rays` of a vector of cells, with the decision whether each is flat. A cell is flat if, in the box
@@ -123,13 +119,13 @@ ISO_INLINE void set_ray_maps(const ex_rays *r, vi flags, iso_exact_rays *rays) {
     v_store4(&rays->close, STEP, fourth);
 }
 
-/* Sets `outline` and `rays` of an octant's cells. */
+/* Sets `outline`, and `rays` where they are needed, of an octant's cells. */
 ISO_STEP static void outline_cells(const iso_exact_projection *projection, iso_exact_scratch *scratch) {
     for (int i = 0; i < scratch->octant->cells; i += ISO_LANES) {
         ex_rays rays;
         load_rays(projection, scratch, i, &rays);
         set_outline(&rays, &scratch->outline[i]);
-        set_ray_maps(&rays, v_loadi(scratch->flags + i), &scratch->rays[i]);
+        if (scratch->outlined) set_ray_maps(&rays, v_loadi(scratch->flags + i), &scratch->rays[i]);
     }
 }
 
@@ -154,6 +150,11 @@ ISO_INLINE void row_ends(const iso_exact_scratch *scratch, int cell, int x, int 
     const vm none = v_lti(to, from);
     v_storei(first, v_selecti(none, v_seti(63), from));
     v_storei(last, v_selecti(none, v_seti(0), to));
+}
+
+/* The pixels first .. last of 64, as row_ends sets them, as bits. */
+ISO_INLINE uint64_t pixels_between(int32_t first, int32_t last) {
+    return ~(uint64_t)0 << first & ~(uint64_t)0 >> (63 - last);
 }
 
 #endif

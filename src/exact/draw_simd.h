@@ -78,31 +78,25 @@ ISO_INLINE void draw_cell(const iso_exact_projection *projection, iso_exact_scra
 
 /* ---- an octant */
 
-/* Whether a pixel in the rectangle `clip` (x0 x1 y0 y1, in the band) is free. */
-ISO_INLINE bool any_open(const iso_exact_scratch *scratch, const int clip[4]) {
+/* Shrinks the rectangle `clip`, which has free pixels, to those: cells outside of it are hidden. */
+ISO_INLINE void shrink_to_open(const iso_exact_scratch *scratch, int clip[4]) {
     const int first = clip[0] >> 6, last = clip[1] >> 6;
     const uint64_t from = ~(uint64_t)0 << (clip[0] & 63), to = ~(uint64_t)0 >> (63 - (clip[1] & 63));
+    int box[4] = {INT_MAX, -1, INT_MAX, -1};
     for (int y = clip[2]; y <= clip[3]; y++) {
         const uint64_t *row = scratch->open + (ptrdiff_t)(y - scratch->rows.first) * scratch->words;
-        if (first == last) {
-            if (row[first] & from & to) return true;
-            continue;
+        for (int word = first; word <= last; word++) {
+            const uint64_t open =
+                row[word] & (word == first ? from : ~(uint64_t)0) & (word == last ? to : ~(uint64_t)0);
+            if (!open) continue;
+            const int low = word * 64 + __builtin_ctzll(open), high = word * 64 + 63 - __builtin_clzll(open);
+            box[0] = low < box[0] ? low : box[0];
+            box[1] = high > box[1] ? high : box[1];
+            box[2] = y < box[2] ? y : box[2];
+            box[3] = y;
         }
-        uint64_t open = (row[first] & from) | (row[last] & to);
-        for (int word = first + 1; word < last; word++) open |= row[word];
-        if (open) return true;
     }
-    return false;
-}
-
-/* Sets `clip` to the pixels of an octant that lie in the band; false when there are none, or none is free. */
-ISO_INLINE bool is_visible(const iso_exact_scratch *scratch, const iso_exact_visible *visible, int clip[4]) {
-    if (visible->y0 > scratch->rows.last || visible->y1 < scratch->rows.first) return false;
-    clip[0] = visible->x0;
-    clip[1] = visible->x1;
-    clip[2] = visible->y0 > scratch->rows.first ? visible->y0 : scratch->rows.first;
-    clip[3] = visible->y1 < scratch->rows.last ? visible->y1 : scratch->rows.last;
-    return any_open(scratch, clip);
+    memcpy(clip, box, sizeof box);
 }
 
 /* Prefetches the data that drawing an octant reads first. */
@@ -117,7 +111,8 @@ ISO_INLINE void fetch_octant(const iso_exact_projection *projection, const iso_e
 /* Draws the cells of an octant front to back, if the octant has free pixels in the band. */
 ISO_STEP static void draw_octant(const iso_exact_projection *projection, const iso_exact_visible *visible,
                                  iso_exact_scratch *scratch) {
-    if (!is_visible(scratch, visible, scratch->clip)) return;
+    if (!iso_exact_is_open(scratch, &visible->box, scratch->clip)) return;
+    shrink_to_open(scratch, scratch->clip);
     scratch->span = &iso_exact_spans(projection->exact)[visible->span];
     if (!ISO_EXACT_LAYERED && projection->paint && projection->paint->keys)
         scratch->place = iso_exact_place(projection, scratch->span->brick);
@@ -134,9 +129,10 @@ ISO_STEP static void draw_octant(const iso_exact_projection *projection, const i
         project_far_cells(projection, scratch);
     scratch->cuts = 0;
     if (projection->clip) iso_exact_cut_octant(projection, scratch);
-    scratch->outlined = has_outlines(projection, &scratch->octant_projection);
+    scratch->bounded = has_outlines(projection, &scratch->octant_projection);
+    scratch->outlined = scratch->bounded && scratch->octant_projection.cell_pixels >= ISO_EXACT_OUTLINED_CELL;
     if (ISO_EXACT_LAYERED && scratch->outlined) flush_hits(projection, scratch); /* patches do not wait */
-    if (scratch->outlined) outline_cells(projection, scratch);
+    if (scratch->bounded) outline_cells(projection, scratch);
     rank_cells(projection, scratch);
     for (int word = 0; word < ISO_EXACT_SIDE; word++)
         for (uint64_t drawable = scratch->drawable[word]; drawable; drawable &= drawable - 1)
@@ -150,7 +146,7 @@ static void draw(const iso_exact_projection *projection, const iso_exact_visible
     const iso_exact_visible *next = NULL;
     for (int i = 0; i < count; i++) {
         int clip[4];
-        if (!is_visible(scratch, &visible[i], clip)) continue;
+        if (!iso_exact_is_open(scratch, &visible[i].box, clip)) continue;
         fetch_octant(projection, &visible[i]);
         if (next) draw_octant(projection, next, scratch);
         next = &visible[i];

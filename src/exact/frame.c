@@ -1,5 +1,5 @@
-/* frame: lists the visible octants of a surface front to back, and draws bands of rows: every band draws all
- * octants that are visible in it. */
+/* frame: lists the visible bricks of a surface front to back, and draws bands of rows: every band draws all
+ * octants of the bricks that have free pixels in it. */
 #include "exact/frame.h"
 
 #include <limits.h>
@@ -7,7 +7,10 @@
 
 #include "base/memory.h"
 
-enum { SPANS_PER_TASK = 64 };
+enum {
+    SPANS_PER_TASK = 64,
+    OCTANTS_AT_ONCE = 32 /* at least so many are drawn at once: a kernel fetches the next one in advance */
+};
 
 static void order_spans(iso_exact_frame *frame) {
     const iso_exact *exact = frame->projection.exact;
@@ -31,15 +34,15 @@ static void order_spans(iso_exact_frame *frame) {
     frame->span_count = count;
 }
 
-static void list_task_octants(void *context, size_t index, int worker) {
+static void list_task_bricks(void *context, size_t index, int worker) {
     (void)worker;
     iso_exact_frame *frame = context;
-    iso_exact_visible *visible = frame->visible + index * SPANS_PER_TASK * ISO_EXACT_OCTANTS;
+    iso_exact_visible_brick *visible = frame->visible + index * SPANS_PER_TASK;
     size_t end = (index + 1) * SPANS_PER_TASK;
     if (end > frame->span_count) end = frame->span_count;
     int count = 0;
     for (size_t i = index * SPANS_PER_TASK; i < end; i++)
-        count += iso_exact_list_visible_octants(&frame->projection, frame->order[i], visible + count);
+        count += iso_exact_brick_is_visible(&frame->projection, frame->order[i], visible + count);
     frame->visible_count[index] = count;
 }
 
@@ -48,18 +51,19 @@ static iso_status alloc_frame(iso_exact_frame *frame, iso_error *error) {
     const size_t spans = exact->set.span_count;
     frame->task_count = exact->sorted ? (spans + SPANS_PER_TASK - 1) / SPANS_PER_TASK : 0;
     frame->order = iso_alloc(spans * sizeof *frame->order);
-    frame->visible =
-        iso_alloc(frame->task_count * SPANS_PER_TASK * ISO_EXACT_OCTANTS * sizeof *frame->visible);
+    frame->visible = iso_alloc(frame->task_count * SPANS_PER_TASK * sizeof *frame->visible);
     frame->visible_count = iso_alloc(frame->task_count * sizeof *frame->visible_count);
     if (frame->order && frame->visible && frame->visible_count) return ISO_OK;
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing %zu bricks of cells", spans);
 }
 
 iso_status iso_exact_frame_start(iso_exact_frame *frame, iso_error *error) {
-    frame->projection.gradients = iso_exact_gradients_get(&frame->projection.exact->grid, iso_cpu_best());
+    const iso_grid *grid = &frame->projection.exact->grid;
+    frame->projection.gradients = iso_exact_gradients_get(grid, iso_cpu_best());
+    frame->projection.voxels = iso_exact_voxels_of(grid);
     ISO_TRY(alloc_frame(frame, error));
     if (frame->task_count) order_spans(frame);
-    iso_parallel_for(frame->projection.target->pool, frame->task_count, list_task_octants, frame);
+    iso_parallel_for(frame->projection.target->pool, frame->task_count, list_task_bricks, frame);
     return ISO_OK;
 }
 
@@ -75,12 +79,11 @@ bool iso_exact_frame_limit(iso_exact_frame *frame, int pixels[4]) {
     pixels[1] = pixels[3] = -1;
     for (size_t task = 0; task < frame->task_count; task++)
         for (int i = 0; i < frame->visible_count[task]; i++) {
-            const iso_exact_visible *visible =
-                &frame->visible[task * SPANS_PER_TASK * ISO_EXACT_OCTANTS + (size_t)i];
-            if (visible->x0 < pixels[0]) pixels[0] = visible->x0;
-            if (visible->x1 > pixels[1]) pixels[1] = visible->x1;
-            if (visible->y0 < pixels[2]) pixels[2] = visible->y0;
-            if (visible->y1 > pixels[3]) pixels[3] = visible->y1;
+            const iso_exact_box *box = &frame->visible[task * SPANS_PER_TASK + (size_t)i].box;
+            if (box->x0 < pixels[0]) pixels[0] = box->x0;
+            if (box->x1 > pixels[1]) pixels[1] = box->x1;
+            if (box->y0 < pixels[2]) pixels[2] = box->y0;
+            if (box->y1 > pixels[3]) pixels[3] = box->y1;
         }
     if (pixels[1] < 0) return false;
     frame->least = iso_exact_place(&frame->projection, iso_exact_spans(exact)[frame->order[0]].brick);
@@ -149,11 +152,19 @@ static void start_band(const iso_exact_frame *frame, iso_rows rows, iso_exact_sc
 }
 
 void iso_exact_frame_draw(const iso_exact_frame *frame, iso_rows rows, iso_exact_scratch *scratch) {
+    iso_exact_visible octants[OCTANTS_AT_ONCE + ISO_EXACT_OCTANTS];
+    int count = 0, clip[4];
     start_band(frame, rows, scratch);
-    for (size_t task = 0; task < frame->task_count; task++) {
-        const iso_exact_visible *visible = frame->visible + task * SPANS_PER_TASK * ISO_EXACT_OCTANTS;
-        frame->kernel->draw(&frame->projection, visible, frame->visible_count[task], scratch);
-    }
+    for (size_t task = 0; task < frame->task_count; task++)
+        for (int i = 0; i < frame->visible_count[task]; i++) {
+            const iso_exact_visible_brick *brick = &frame->visible[task * SPANS_PER_TASK + (size_t)i];
+            if (!iso_exact_is_open(scratch, &brick->box, clip)) continue;
+            count += iso_exact_list_visible_octants(&frame->projection, brick->span, octants + count);
+            if (count < OCTANTS_AT_ONCE) continue;
+            frame->kernel->draw(&frame->projection, octants, count, scratch);
+            count = 0;
+        }
+    frame->kernel->draw(&frame->projection, octants, count, scratch);
     frame->kernel->flush(&frame->projection, scratch);
 }
 

@@ -1,4 +1,4 @@
-/* frame: the visible octants of one surface in one picture, front to back, and the drawing of bands of rows.
+/* frame: the visible bricks of one surface in one picture, front to back, and the drawing of bands of rows.
  * Internal to exact. */
 #ifndef ISO_EXACT_FRAME_H
 #define ISO_EXACT_FRAME_H
@@ -10,21 +10,20 @@ typedef struct iso_exact_frame {
     const iso_exact_kernel *kernel;
     uint32_t *order; /* spans front to back */
     size_t span_count;
-    /* the visible octants of the spans of task t, from index t * (spans of a task) * ISO_EXACT_OCTANTS on */
-    iso_exact_visible *visible;
-    int *visible_count; /* number of visible octants, by task */
+    iso_exact_visible_brick *visible; /* those of the spans of task t, from index t * (spans of a task) on */
+    int *visible_count;               /* number of visible bricks, by task */
     size_t task_count;
     /* Of key images: the least place (iso_exact_place) of a brick, and the first and last column to draw. */
     uint32_t least;
     int columns[2];
 } iso_exact_frame;
 
-/* Lists the visible octants with all threads of the target's pool. The caller has set projection and kernel
+/* Lists the visible bricks with all threads of the target's pool. The caller has set projection and kernel
  * and zeroed the rest. Free with iso_exact_frame_free, also after a failure. ISO_ERR_NOMEM. */
 iso_status iso_exact_frame_start(iso_exact_frame *frame, iso_error *error);
 void iso_exact_frame_free(iso_exact_frame *frame);
 
-/* Before bands are drawn into a key image: sets `pixels` to those that the visible octants can touch, columns
+/* Before bands are drawn into a key image: sets `pixels` to those that the visible bricks can touch, columns
  * x0 .. x1 and rows y0 .. y1, and limits bands to these columns. False: nothing is visible. */
 bool iso_exact_frame_limit(iso_exact_frame *frame, int pixels[4]);
 

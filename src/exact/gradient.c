@@ -53,17 +53,11 @@ void iso_exact_gradients_anywhere(const iso_grid *grid, const int cell[3], float
     }
 }
 
-void iso_exact_gradients_fetch(const iso_grid *grid, const int cell[3]) {
-    if (!grid->rgrid) return;
-    const iso_rgrid *rgrid = grid->rgrid;
-    const ptrdiff_t bytes = (ptrdiff_t)iso_type_size(rgrid->type), step_y = bytes * rgrid->stride_y,
-                    step_z = bytes * rgrid->stride_z;
-    /* addresses may lie outside the grid: prefetching them is allowed, computing them as pointers is not */
-    const uintptr_t first =
-        (uintptr_t)rgrid->data + (uintptr_t)(bytes * cell[0] + step_y * cell[1] + step_z * cell[2]);
-    for (int z = -1; z < 3; z++)
-        for (int y = -1; y < 3; y++) /* also the four rows that are not needed: cheaper than a branch */
-            __builtin_prefetch((const void *)(first + (uintptr_t)(y * step_y + z * step_z)));
+iso_exact_voxels iso_exact_voxels_of(const iso_grid *grid) {
+    if (!grid->rgrid) return (iso_exact_voxels){0, {0, 0, 0}};
+    const ptrdiff_t bytes = (ptrdiff_t)iso_type_size(grid->rgrid->type);
+    return (iso_exact_voxels){(uintptr_t)grid->rgrid->data,
+                              {bytes, bytes * grid->rgrid->stride_y, bytes * grid->rgrid->stride_z}};
 }
 
 iso_exact_gradients *iso_exact_gradients_get(const iso_grid *grid, iso_cpu_level level) {

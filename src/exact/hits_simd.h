@@ -387,7 +387,7 @@ ISO_STEP static int32_t reserve_slot(const iso_exact_projection *projection, iso
     const int slot = scratch->hits.slots++;
     get_cell_voxel(projection, scratch, cell, scratch->hits.voxel[slot]);
     if (!ISO_EXACT_LAYERED) scratch->hits.place[slot] = scratch->place;
-    iso_exact_gradients_fetch(&projection->exact->grid, scratch->hits.voxel[slot]);
+    iso_exact_gradients_fetch(&projection->voxels, scratch->hits.voxel[slot]);
     return scratch->slot[cell] = slot;
 }
 

@@ -88,11 +88,11 @@ typedef struct iso_exact_row_window {
     int32_t pixel;   /* the first pixel, y << 16 | x */
 } iso_exact_row_window;
 
-/* Bounds on the pixels whose rays can meet the surface in an outlined cell. With x and y in pixels from the
+/* Bounds on the pixels whose rays can meet the surface in a large cell. With x and y in pixels from the
  * projected reference point, low[n] + slope[n] * y <= x <= high[n] + slope[n] * y for each n. */
-enum { ISO_EXACT_LINES = 6 };
+enum { ISO_EXACT_LINES = 3 };
 typedef struct iso_exact_outline {
-    float slope[8], low[8], high[8];
+    float slope[4], low[4], high[4]; /* [3] is unused */
 } iso_exact_outline;
 
 /* The rays through an outlined cell, in its coordinates. The ray of the pixel x, y (counted from the
@@ -185,7 +185,8 @@ typedef struct iso_exact_scratch {
     iso_exact_row_window window[ISO_EXACT_LARGE_ROOM]; /* the pixels of the pairs, in their order */
     uint64_t hit_bits[ISO_EXACT_LARGE_ROOM / 64 + 1];  /* bit by pair: its pixel shows the cell */
     iso_exact_hits hits;
-    bool outlined; /* has_outlines is true of the octant: `outline` and `rays` are set */
+    bool bounded;  /* has_outlines is true of the octant: `outline` is set */
+    bool outlined; /* and its cells are so large that they are drawn as patches: `rays` are set */
     iso_exact_outline outline[ISO_EXACT_CELL_ROOM];
     iso_exact_rays rays[ISO_EXACT_CELL_ROOM];
     iso_exact_patch patch;
@@ -193,6 +194,34 @@ typedef struct iso_exact_scratch {
     iso_exact_cut cut[ISO_CLIP_BODIES];
     bool is_cut[ISO_EXACT_CELL_ROOM]; /* with cuts: the cell is cut by some of them */
 } iso_exact_scratch;
+
+/* Whether a pixel in the rectangle `clip` (x0 x1 y0 y1, in the band) is free. */
+static inline bool iso_exact_any_open(const iso_exact_scratch *scratch, const int clip[4]) {
+    const int first = clip[0] >> 6, last = clip[1] >> 6;
+    const uint64_t from = ~(uint64_t)0 << (clip[0] & 63), to = ~(uint64_t)0 >> (63 - (clip[1] & 63));
+    for (int y = clip[2]; y <= clip[3]; y++) {
+        const uint64_t *row = scratch->open + (ptrdiff_t)(y - scratch->rows.first) * scratch->words;
+        if (first == last) {
+            if (row[first] & from & to) return true;
+            continue;
+        }
+        uint64_t open = (row[first] & from) | (row[last] & to);
+        for (int word = first + 1; word < last; word++) open |= row[word];
+        if (open) return true;
+    }
+    return false;
+}
+
+/* Sets `clip` to the pixels of a box that lie in the band; false when there are none, or none is free. */
+static inline bool iso_exact_is_open(const iso_exact_scratch *scratch, const iso_exact_box *box,
+                                     int clip[4]) {
+    if (box->y0 > scratch->rows.last || box->y1 < scratch->rows.first) return false;
+    clip[0] = box->x0;
+    clip[1] = box->x1;
+    clip[2] = box->y0 > scratch->rows.first ? box->y0 : scratch->rows.first;
+    clip[3] = box->y1 < scratch->rows.last ? box->y1 : scratch->rows.last;
+    return iso_exact_any_open(scratch, clip);
+}
 
 typedef struct iso_exact_kernel {
     /* Draws the octants of `visible` that have free pixels in the band. visible: `count` octants, sorted

@@ -2,6 +2,7 @@
 #ifndef ISO_EXACT_KERNEL_SIMD_H
 #define ISO_EXACT_KERNEL_SIMD_H
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -31,7 +32,11 @@
  * several cells together wastes fewer vector lanes. */
 #define ISO_EXACT_LARGE_CELL 32
 
-/* Cells whose box has at least this many pixels get an outline (iso_exact_outline). */
+/* Cells whose box has at least this many pixels get an outline (iso_exact_outline). For smaller ones it takes
+ * longer than it saves. */
+#define ISO_EXACT_BOUNDED_CELL 64
+
+/* Cells whose box has at least this many pixels are drawn as patches (iso_exact_patch). */
 #define ISO_EXACT_OUTLINED_CELL 250
 
 /* How many pairs of a pixel and a cell are collected before they are tested. More pairs fill vectors better,
@@ -62,7 +67,7 @@ static inline void keep_key(uint64_t *key, uint32_t place, int32_t rgba) {
 static bool has_outlines(const iso_exact_projection *projection,
                          const iso_exact_octant_projection *octant_projection) {
     if (octant_projection->near || octant_projection->clip ||
-        octant_projection->cell_pixels < ISO_EXACT_OUTLINED_CELL)
+        octant_projection->cell_pixels < ISO_EXACT_BOUNDED_CELL)
         return false;
     return !projection->perspective || octant_projection->depth > 48 * projection->half_depth;
 }

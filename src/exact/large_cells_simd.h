@@ -64,23 +64,37 @@ ISO_INLINE void pair_window(iso_exact_scratch *scratch, uint64_t open, int32_t p
     }
 }
 
-/* Tests a large cell against the free pixels of its box (x0 x1 y0 y1). general: with the general test. */
+/* Tests a large cell against the free pixels among the columns x .. x + 63 of its box (x0 x1 y0 y1). general:
+ * with the general test; bounded: within its outline. */
+ISO_INLINE void test_columns(const iso_exact_projection *projection, iso_exact_scratch *scratch,
+                             const int box[4], int x, int cell, bool general, bool bounded) {
+    const uint64_t columns = box[1] - x < 63 ? ((uint64_t)2 << (box[1] - x)) - 1 : ~(uint64_t)0;
+    const uint64_t *row = scratch->open + (ptrdiff_t)(box[2] - scratch->rows.first) * scratch->words;
+    int32_t first[ISO_LANES], last[ISO_LANES];
+    for (int y = box[2]; y <= box[3]; y++, row += scratch->words) {
+        const int n = (y - box[2]) % ISO_LANES;
+        if (bounded && !n) row_ends(scratch, cell, x, y, first, last);
+        uint64_t open = open_pixels(row, x) & columns;
+        if (bounded) open &= pixels_between(first[n], last[n]);
+        if (!open) continue;
+        pair_window(scratch, open, y << 16 | x);
+        if (scratch->pairs >= ISO_EXACT_LARGE_LIST) {
+            test_large_cell(projection, scratch);
+            scratch->general = general;
+        }
+    }
+}
+
+/* Tests a large cell against the free pixels of its box. */
 ISO_INLINE void draw_large_cell(const iso_exact_projection *projection, iso_exact_scratch *scratch,
                                 const int box[4], int cell, bool general) {
     scratch->owner[0] = cell * RECORD_FLOATS;
     scratch->general = general;
     for (int x = box[0]; x <= box[1]; x += 64) {
-        const uint64_t columns = box[1] - x < 63 ? ((uint64_t)2 << (box[1] - x)) - 1 : ~(uint64_t)0;
-        const uint64_t *row = scratch->open + (ptrdiff_t)(box[2] - scratch->rows.first) * scratch->words;
-        for (int y = box[2]; y <= box[3]; y++, row += scratch->words) {
-            uint64_t open = open_pixels(row, x) & columns;
-            if (!open) continue;
-            pair_window(scratch, open, y << 16 | x);
-            if (scratch->pairs >= ISO_EXACT_LARGE_LIST) {
-                test_large_cell(projection, scratch);
-                scratch->general = general;
-            }
-        }
+        if (scratch->bounded && !general)
+            test_columns(projection, scratch, box, x, cell, false, true);
+        else
+            test_columns(projection, scratch, box, x, cell, general, false);
     }
     if (scratch->pairs) test_large_cell(projection, scratch);
     scratch->general = 0;

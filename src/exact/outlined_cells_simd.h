@@ -335,7 +335,7 @@ ISO_INLINE void fetch_gradient(const iso_exact_projection *projection, const iso
                                int cell) {
     int voxel[3];
     get_cell_voxel(projection, scratch, cell, voxel);
-    iso_exact_gradients_fetch(&projection->exact->grid, voxel);
+    iso_exact_gradients_fetch(&projection->voxels, voxel);
 }
 
 /* Adds the free pixels of rows y0 .. y1 within the cell's outline to the patch, and draws the patch when it
@@ -351,8 +351,7 @@ ISO_INLINE void list_columns(const iso_exact_projection *projection, iso_exact_s
         row_ends(scratch, cell, columns->x, y, first, last);
         v_store(down, v_to_float(v_lanes() + (y - scratch->octant_projection.origin[1])) - place);
         for (int n = 0; n < count; n++, row += scratch->words) {
-            const uint64_t left = ~(uint64_t)0 << first[n] & ~(uint64_t)0 >> (63 - last[n]);
-            const uint64_t open = open_columns(row, columns) & left;
+            const uint64_t open = open_columns(row, columns) & pixels_between(first[n], last[n]);
             if (!open) continue;
             list_runs(projection, &scratch->patch, columns, open, y + n, down[n]);
             if (scratch->patch.count >= ISO_EXACT_PATCH_LIST) draw_patch(projection, scratch);

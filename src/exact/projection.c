@@ -185,22 +185,39 @@ static bool is_cut_away(const iso_exact_projection *projection, const double cen
     return iso_exact_clip_of_box(projection, centre, half, &cutting) == ISO_CLIP_NOTHING;
 }
 
+static bool is_in_picture(const iso_exact_projection *projection, const double centre[3],
+                          const double half[3], iso_exact_box *box) {
+    const iso_view *view = projection->target->view;
+    const int clip[4] = {0, view->width - 1, 0, view->height - 1};
+    int pixels[4];
+    if (!box_pixels(projection, centre, half, clip, pixels)) return false;
+    *box =
+        (iso_exact_box){(uint16_t)pixels[0], (uint16_t)pixels[1], (uint16_t)pixels[2], (uint16_t)pixels[3]};
+    return true;
+}
+
+bool iso_exact_brick_is_visible(const iso_exact_projection *projection, uint32_t number,
+                                iso_exact_visible_brick *visible) {
+    const iso_exact_span *span = &iso_exact_spans(projection->exact)[number];
+    double centre[3];
+    const double half[3] = {0.5 * ISO_BRICK, 0.5 * ISO_BRICK, 0.5 * ISO_BRICK};
+    for (int axis = 0; axis < 3; axis++) centre[axis] = (double)ISO_BRICK * span->brick[axis] + half[axis];
+    visible->span = number;
+    return is_in_picture(projection, centre, half, &visible->box);
+}
+
 int iso_exact_list_visible_octants(const iso_exact_projection *projection, uint32_t number,
                                    iso_exact_visible *visible) {
     const iso_exact_span *span = &iso_exact_spans(projection->exact)[number];
-    const iso_view *view = projection->target->view;
-    const int clip[4] = {0, view->width - 1, 0, view->height - 1};
-    double corner[3], centre[3], half[3] = {8, 8, 8};
-    int pixels[4], split[3];
+    double corner[3], centre[3], half[3];
+    int split[3];
     for (int axis = 0; axis < 3; axis++) {
         corner[axis] = (double)ISO_BRICK * span->brick[axis];
-        centre[axis] = corner[axis] + 8;
         /* the cell where the order turns, counted from the brick's first; 0 .. 7: it is in the lower
          * octants */
         const double cells = projection->split[axis] - corner[axis];
         split[axis] = cells < 0 ? 0 : cells < ISO_EXACT_SIDE ? 0 : cells < ISO_BRICK ? 1 : 2;
     }
-    if (!box_pixels(projection, centre, half, clip, pixels)) return 0;
     const iso_exact_octant *at[ISO_EXACT_OCTANTS] = {0};
     for (uint32_t i = 0; i < span->octants; i++) {
         const iso_exact_octant *octant = &iso_exact_octants(projection->exact)[span->octant + i];
@@ -218,15 +235,12 @@ int iso_exact_list_visible_octants(const iso_exact_projection *projection, uint3
             half[axis] = 0.5 * (octant->high[axis] + 1 - octant->low[axis]);
             centre[axis] = first + half[axis];
         }
-        if (!box_pixels(projection, centre, half, clip, pixels) || is_cut_away(projection, centre, half))
-            continue;
+        iso_exact_box box;
+        if (!is_in_picture(projection, centre, half, &box) || is_cut_away(projection, centre, half)) continue;
         visible[count++] = (iso_exact_visible){
             .span = number,
             .octant = (uint32_t)(octant - iso_exact_octants(projection->exact)),
-            .x0 = (uint16_t)pixels[0],
-            .x1 = (uint16_t)pixels[1],
-            .y0 = (uint16_t)pixels[2],
-            .y1 = (uint16_t)pixels[3],
+            .box = box,
             .corners = iso_exact_corners(projection->exact, span, octant),
         };
     }

@@ -39,6 +39,7 @@ typedef struct iso_exact_projection {
                                              rays and colour */
     const iso_exact *exact;
     iso_exact_gradients *gradients;
+    iso_exact_voxels voxels;
     bool perspective;
     double matrix[9], origin[3]; /* index to view space */
     double eye[3];               /* in index coordinates; used with perspective only */
@@ -58,11 +59,22 @@ typedef struct iso_exact_projection {
     iso_affine to_world;  /* from index coordinates */
 } iso_exact_projection;
 
+/* First and last column, first and last row. */
+typedef struct iso_exact_box {
+    uint16_t x0, x1, y0, y1;
+} iso_exact_box;
+
+/* A brick and the pixels that its cells can touch. */
+typedef struct iso_exact_visible_brick {
+    uint32_t span; /* index in the set's array of spans */
+    iso_exact_box box;
+} iso_exact_visible_brick;
+
 /* An octant and the pixels that its cells can touch. */
 typedef struct iso_exact_visible {
-    uint32_t span, octant;   /* indices in the set's arrays of spans and octants */
-    uint16_t x0, x1, y0, y1; /* first and last column, first and last row */
-    const void *corners;     /* values at the corners of the octant's cells (iso_exact_corners) */
+    uint32_t span, octant; /* indices in the set's arrays of spans and octants */
+    iso_exact_box box;
+    const void *corners; /* values at the corners of the octant's cells (iso_exact_corners) */
 } iso_exact_visible;
 
 /* How the cells of one octant are projected, in floats. The reference direction is that of the ray to the
@@ -117,7 +129,11 @@ static inline uint32_t iso_exact_place(const iso_exact_projection *projection, c
     return place;
 }
 
-/* Writes the octants of a brick's span that the picture can show, front to back; returns their number (up to
+/* Whether the picture can show the brick of a span; sets `visible` then. */
+bool iso_exact_brick_is_visible(const iso_exact_projection *projection, uint32_t span,
+                                iso_exact_visible_brick *visible);
+
+/* Writes the octants of a visible brick that the picture can show, front to back; returns their number (up to
  * ISO_EXACT_OCTANTS). */
 int iso_exact_list_visible_octants(const iso_exact_projection *projection, uint32_t span,
                                    iso_exact_visible *visible);

@@ -49,6 +49,20 @@ static void what_is_written_is_read(void **state) {
     }
 }
 
+static void one_transparent_pixel_is_found(void **state) {
+    (void)state;
+    for (int width = 1; width < 4; width++) {
+        iso_image image = random_image(width, 3, 1);
+        assert_true(iso_image_is_opaque(&image));
+        for (size_t i = 3; i < (size_t)width * 12; i += 4) {
+            image.rgba[i] = 127;
+            assert_false(iso_image_is_opaque(&image));
+            image.rgba[i] = 255;
+        }
+        iso_image_free(&image);
+    }
+}
+
 /* Several rounds of bands, for one thread and for three: the same file, and the picture comes back. */
 static void threads_write_the_same_file(void **state) {
     (void)state;
@@ -369,15 +383,11 @@ static void a_full_disk_is_reported(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_written_is_read),
-        cmocka_unit_test(threads_write_the_same_file),
-        cmocka_unit_test(small_files_hold_the_same_picture),
-        cmocka_unit_test(sides_are_checked),
-        cmocka_unit_test(texts_are_kept),
-        cmocka_unit_test(every_kind_is_read),
-        cmocka_unit_test(broken_files_are_named),
-        cmocka_unit_test(unreadable_files_are_named),
-        cmocka_unit_test(unwritable_paths_are_named),
+        cmocka_unit_test(what_is_written_is_read),     cmocka_unit_test(one_transparent_pixel_is_found),
+        cmocka_unit_test(threads_write_the_same_file), cmocka_unit_test(small_files_hold_the_same_picture),
+        cmocka_unit_test(sides_are_checked),           cmocka_unit_test(texts_are_kept),
+        cmocka_unit_test(every_kind_is_read),          cmocka_unit_test(broken_files_are_named),
+        cmocka_unit_test(unreadable_files_are_named),  cmocka_unit_test(unwritable_paths_are_named),
         cmocka_unit_test(a_full_disk_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
