@@ -230,10 +230,12 @@ static void end_drawing(isosculpt_controller *controller, bool cancel) {
     }
     iso_session *session = controller->document->session;
     controller->drag = ISOSCULPT_DRAG_NONE;
-    const iso_status status = cancel ? iso_session_cancel(session, &controller->error)
-                                     : iso_session_end(session, &controller->error);
+    iso_status status = cancel ? iso_session_cancel(session, &controller->error)
+                               : iso_session_end(session, &controller->error);
     controller->stroke_unfinished = status != ISO_OK;
     cancel_unfinished_stroke(controller);
+    if (status == ISO_OK && !cancel)
+        status = isosculpt_stroke_editor_place(&controller->document->strokes, session, &controller->error);
     if (controller->brush.symmetry) controller->surface_box = isosculpt_viewport_bounds(controller->viewport);
     finish_edit(controller, status, &stats);
 }
@@ -248,7 +250,10 @@ static iso_status apply_stroke(isosculpt_controller *controller, const isosculpt
     for (size_t i = 1; i < stroke->count && status == ISO_OK; i++)
         status = iso_session_sample(session, &stroke->samples[i], stats, &controller->error);
     const iso_status ended = iso_session_end(session, &controller->error);
-    return status == ISO_OK ? ended : status;
+    if (status == ISO_OK) status = ended;
+    return status == ISO_OK
+               ? isosculpt_stroke_editor_place(&controller->document->strokes, session, &controller->error)
+               : status;
 }
 
 void isosculpt_controller_drop_strokes(isosculpt_controller *controller) {

@@ -40,7 +40,7 @@ typedef enum isosculpt_drag {
     ISOSCULPT_DRAG_PAN,
     ISOSCULPT_DRAG_PLANE, /* moves the plane that cuts (viewport/cut.h) */
     ISOSCULPT_DRAG_TILT,  /* tilts it */
-    ISOSCULPT_DRAG_SELECT /* Alt on the surface: a stroke when the pointer moves, else selects the one there */
+    ISOSCULPT_DRAG_SELECT /* Alt on the surface: a stroke when the pointer moves, else selects one */
 } isosculpt_drag;
 
 /* Commands for the window, as bits of isosculpt_controller.commands. */
@@ -77,8 +77,7 @@ typedef struct isosculpt_controller {
     bool viewing_volume; /* a volume is shown: there is no field that a brush could change */
     bool field_pending;  /* the volume is to become a field, or becomes one: strokes are queued until then */
     isosculpt_strokes queued_strokes; /* owned */
-    bool
-        queueing; /* the stroke that is drawn is queued, because there is no field, or strokes are being edited */
+    bool queueing; /* the stroke that is drawn is queued: there is no field, or past ones are edited */
 
     iso_box surface_box;    /* world box of the surface after the last stroke; the mirror planes are drawn as
                                large as it */
@@ -106,8 +105,8 @@ void isosculpt_controller_free(isosculpt_controller *controller);
 /* The brush that the panel shows and changes: that of the stroke that is selected, or else the next one's. */
 iso_brush *isosculpt_controller_brush(isosculpt_controller *controller);
 
-/* Makes the edits of strokes that are requested (document->strokes) in the background, and then draws the strokes
- * that were made meanwhile. Called often; `wake`: see isosculpt_task_start. Errors are stored in
+/* Makes the edits of strokes that are requested (document->strokes) in the background, and then draws the
+ * strokes that were made meanwhile. Called often; `wake`: see isosculpt_task_start. Errors are stored in
  * controller->error. */
 void isosculpt_controller_update_strokes(isosculpt_controller *controller, void (*wake)(void));
 

@@ -44,6 +44,7 @@ static void update_selection(isosculpt_stroke_editor *editor) {
         any = number >= editor->first && number <= editor->last;
     }
     if (!any) editor->first = editor->last = 0;
+    if (editor->before && !iso_stroke_find(&editor->list, editor->before)) editor->before = 0;
     if (is_single(editor) && iso_brush_is_same(&editor->brush, &editor->asked))
         editor->brush = editor->asked = brush_to_be(editor);
 }
@@ -126,6 +127,16 @@ iso_status isosculpt_stroke_editor_request_brush(isosculpt_stroke_editor *editor
                              .first = editor->first,
                              .last = editor->first,
                              .brush = isosculpt_brush_drawn(&editor->brush)};
+    return isosculpt_stroke_editor_request(editor, &event, error);
+}
+
+iso_status isosculpt_stroke_editor_place(isosculpt_stroke_editor *editor, const iso_session *session,
+                                         iso_error *error) {
+    const iso_stroke_list *list = editor->before ? isosculpt_stroke_editor_list(editor, session) : NULL;
+    if (!list || !editor->before) return ISO_OK;
+    const unsigned number = iso_stroke_at(list, list->count - 1)->number;
+    const iso_event event = {
+        .kind = ISO_EVENT_MOVE, .first = number, .last = number, .before = editor->before};
     return isosculpt_stroke_editor_request(editor, &event, error);
 }
 

@@ -16,6 +16,7 @@ typedef struct isosculpt_stroke_editor {
     unsigned first, last; /* numbers of the strokes that are selected; 0: none */
     iso_brush brush; /* of the stroke, if only one is selected, as the panel changes it; tubes are spheres */
     iso_brush asked; /* as the last edit asks for it */
+    unsigned before; /* new strokes are placed before this one; 0: at the end */
 
     iso_stroke_list list; /* as of `changes` */
     iso_error no_list;    /* why there is no list; text[0] == 0: there is one */
@@ -49,8 +50,8 @@ void isosculpt_stroke_editor_seek(isosculpt_stroke_editor *editor, iso_vec3 plac
 /* The stroke, if one and only one is selected; else NULL. */
 const iso_stroke *isosculpt_stroke_editor_stroke(isosculpt_stroke_editor *editor, const iso_session *session);
 
-/* Requests an edit. One that gives a stroke a brush takes the place of an earlier one that is still to be made. Errors (of
- * memory) leave the requests as they are. */
+/* Requests an edit. One that gives a stroke a brush takes the place of an earlier one that is still to be
+ * made. Errors (of memory) leave the requests as they are. */
 iso_status isosculpt_stroke_editor_request(isosculpt_stroke_editor *editor, const iso_event *event,
                                            iso_error *error);
 /* Requests that the selected strokes are deleted, muted, ... (not ISO_EVENT_EDIT). */
@@ -58,20 +59,23 @@ iso_status isosculpt_stroke_editor_request_all(isosculpt_stroke_editor *editor, 
                                                iso_error *error);
 /* Requests that the selected stroke gets editor->brush, if that has been changed. */
 iso_status isosculpt_stroke_editor_request_brush(isosculpt_stroke_editor *editor, iso_error *error);
+/* After a stroke was drawn at the end of the list: requests that it is placed where new strokes go. */
+iso_status isosculpt_stroke_editor_place(isosculpt_stroke_editor *editor, const iso_session *session,
+                                         iso_error *error);
 /* Withdraws the last edit that is still to be made. Returns false when there is none. */
 bool isosculpt_stroke_editor_withdraw(isosculpt_stroke_editor *editor);
 /* Whether a thread uses the session, which cannot be changed otherwise until then. */
 bool isosculpt_stroke_editor_is_busy(const isosculpt_stroke_editor *editor);
 
-/* Takes over what the thread has made; `changed` is set if the field has. Then starts the next task, if there is
+/* Take over what the thread has made; `changed` is set if the field has. Start the next task, if there is
  * something to do. `wake`: see isosculpt_task_start. Errors: those of the edit, which is not made then. */
 iso_status isosculpt_stroke_editor_take(isosculpt_stroke_editor *editor, iso_session *session, bool *changed,
                                         iso_error *error);
 iso_status isosculpt_stroke_editor_start(isosculpt_stroke_editor *editor, iso_session *session,
                                          void (*wake)(void), iso_error *error);
 
-/* A stroke's brush as widgets show it (tubes are spheres), and as strokes have it: tubes leave no ridges between
- * touches, and stamps are set down apart. */
+/* A stroke's brush as widgets show it (tubes are spheres), and as strokes have it: tubes leave no ridges
+ * between touches, and stamps are set down apart. */
 iso_brush isosculpt_brush_shown(const iso_brush *brush);
 iso_brush isosculpt_brush_drawn(const iso_brush *brush);
 

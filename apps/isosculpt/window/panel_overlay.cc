@@ -94,7 +94,8 @@ static void draw_path(const isosculpt_screen *screen, ImDrawList *list, const is
     }
 }
 
-/* Draws the paths of the strokes that are selected, and of a single one how far its brush reaches at its ends. */
+/* Draws the paths of the strokes that are selected; how far the brush of a single one reaches at its
+ * ends, too. */
 static void draw_selected(const isosculpt_screen *screen, ImDrawList *list, float scale) {
     const unsigned most = 100;
     const ImU32 color = IM_COL32(255, 200, 60, 230);

@@ -74,6 +74,12 @@ static void draw_row(isosculpt_controller *controller, const iso_stroke_list *li
         snprintf(label, sizeof label, "%u  %s  %.2f mm  %.160s", stroke->number,
                  iso_tool_name(stroke->brush.tool), stroke->brush.radius, stroke->group);
     const bool selected = stroke->number >= editor->first && stroke->number <= editor->last;
+    if (stroke->number == editor->before) { /* new strokes are listed below, as they are drawn before it */
+        const ImVec2 lo = ImGui::GetWindowPos(), row = ImGui::GetItemRectMax();
+        ImGui::GetWindowDrawList()->AddLine(ImVec2(lo.x, row.y + 2 * scale),
+                                            ImVec2(lo.x + ImGui::GetWindowWidth(), row.y + 2 * scale),
+                                            ImGui::GetColorU32(GREEN), 2 * scale);
+    }
     ImGui::PushStyleColor(ImGuiCol_Text, color);
     if (ImGui::Selectable(label, selected)) {
         const bool further = ImGui::GetIO().KeyShift && editor->first;
@@ -92,7 +98,7 @@ static void draw_actions(isosculpt_controller *controller) {
     isosculpt_stroke_editor *editor = &controller->document->strokes;
     ImGui::BeginDisabled(!editor->first);
     {
-        const button_row row("DeleteMuteUnmuteNone", 4);
+        const button_row row("DeleteMuteUnmuteInsert", 4);
         if (ImGui::Button("Delete"))
             isosculpt_stroke_editor_request_all(editor, ISO_EVENT_DELETE, &controller->error);
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("Key: Delete");
@@ -103,8 +109,11 @@ static void draw_actions(isosculpt_controller *controller) {
         if (ImGui::Button("Unmute"))
             isosculpt_stroke_editor_request_all(editor, ISO_EVENT_UNMUTE, &controller->error);
         row.next();
-        if (ImGui::Button("None")) isosculpt_stroke_editor_select(editor, 0, 0);
-        if (ImGui::IsItemHovered()) ImGui::SetTooltip("Selects no stroke. Key: Escape");
+        if (ImGui::Button("Insert")) editor->before = editor->before == editor->first ? 0 : editor->first;
+        if (ImGui::IsItemHovered())
+            ImGui::SetTooltip(
+                "New strokes go before this one, where the line is: first they are drawn at the\n"
+                "end, then moved there. Pressed again: to the end.");
     }
     static char group[64];
     if (ImGui::InputText("group", group, sizeof group, ImGuiInputTextFlags_EnterReturnsTrue) &&

@@ -538,7 +538,7 @@ void iso_versions_change_values(const iso_versions *v, size_t index, void *value
     unpack(v, changed_to(v, index), values);
 }
 
-/* The eight voxels around a place: of each its cell's key, its number in the cell, its distance, its weight. */
+/* The eight voxels around a place: of each its cell's key, its number there, its distance and weight. */
 typedef struct corners {
     cell_key key[8];
     int voxel[8];

@@ -1,5 +1,5 @@
-/* Past strokes in isosculpt: edits are drawn by a thread, and give what the same edits give without one, whatever the
- * user does meanwhile; a click with Alt selects the stroke that made the surface. */
+/* Past strokes in isosculpt: edits are drawn by a thread, and give what the same edits give without one,
+ * whatever the user does meanwhile; a click with Alt selects the stroke that made the surface. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -116,7 +116,7 @@ static void the_last_radius_counts(void **state) {
     close_scene(&other);
 }
 
-/* Strokes that are drawn while past ones are edited wait, and follow the edit; undo takes back what waits first. */
+/* Strokes that are drawn while past ones are edited wait, and follow the edit; undo takes back the last one. */
 static void strokes_wait_for_an_edit(void **state) {
     (void)state;
     scene s, other;
