@@ -186,6 +186,7 @@ static iso_status finish(isosculpt_stroke_editor *editor, iso_session *session, 
     if (editor->seeking && !edit) {
         const unsigned number = iso_session_stroke_at(session, editor->place);
         isosculpt_stroke_editor_select(editor, number, number);
+        editor->found_none = number == 0;
     }
     return status;
 }

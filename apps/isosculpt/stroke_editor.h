@@ -32,6 +32,7 @@ typedef struct isosculpt_stroke_editor {
     bool dropped;         /* the edit that is being drawn is no longer wanted */
     bool seeking;         /* the stroke that made the surface at `place` is to be selected */
     iso_vec3 place;       /* world */
+    bool found_none;      /* no stroke did; the window clears this when it has said so */
 } isosculpt_stroke_editor;
 
 /* Cancels all edits that are not made yet, and waits for the thread. */

@@ -157,6 +157,9 @@ static void show_edit_message(window *w) {
         isosculpt_window_set_status(w, true, clipped);
     else if (controller->edited && strcmp(w->screen.message, clipped) == 0)
         isosculpt_window_set_status(w, false, "");
+    if (w->document.strokes.found_none)
+        isosculpt_window_set_status(w, false, "No stroke made the surface there: the session began with it.");
+    w->document.strokes.found_none = false;
     controller->error.text[0] = 0;
     controller->clipped = controller->edited = false;
 }

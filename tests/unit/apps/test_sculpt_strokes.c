@@ -116,7 +116,7 @@ static void the_last_radius_counts(void **state) {
     close_scene(&other);
 }
 
-/* Strokes that are drawn while past ones are edited wait, and follow the edit; undo takes the last one back. */
+/* Strokes that are drawn while past ones are edited follow the edit; undo takes the last one back. */
 static void strokes_wait_for_an_edit(void **state) {
     (void)state;
     scene s, other;
