@@ -163,9 +163,10 @@ ISO_API iso_status iso_sculpt_delete(iso_sculpt *sculpt, unsigned first, unsigne
 /* `before`: the number of the stroke that they are drawn before; 0: they are drawn last. */
 ISO_API iso_status iso_sculpt_move(iso_sculpt *sculpt, unsigned first, unsigned last, unsigned before,
                                    iso_error *error);
-/* Sets the solid of ISO_SOLID_STAMP: the inside of a mesh in an .stl, .obj or .ply file, small holes closed.
- * Its longest side is twice the brush's radius. The journal gets a copy of its distance field. ISO_ERR_IO,
- * ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh encloses nothing), ISO_ERR_USAGE (a stroke is in progress). */
+/* Sets the solid of ISO_SOLID_STAMP: the inside of a mesh in an .stl, .obj, .ply, .glb or .3mf file,
+ * small holes closed. Its longest side is twice the brush's radius. The journal gets a copy of its
+ * distance field. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh encloses nothing), ISO_ERR_USAGE (a
+ * stroke is in progress). */
 ISO_API iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error);
 /* Returns ISO_OK, or why the journal is incomplete (such as a full disk). Writing is tried again. */
 ISO_API iso_status iso_sculpt_journal_status(iso_sculpt *sculpt, iso_error *error);

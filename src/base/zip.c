@@ -84,17 +84,23 @@ iso_status iso_zip_next(const char *path, iso_zip *zip, iso_zip_entry *entry, bo
                         path);
     if (method == 0 ? packed != size : size / 1032 > packed + 1)
         return damaged(path, "the size of a file is not possible", error);
-    *entry =
-        (iso_zip_entry){(const char *)head + HEADER, (size_t)name, at + skipped, packed, size, method == 8};
+    *entry = (iso_zip_entry){(const char *)head + HEADER,       (size_t)name, at + skipped, packed, size,
+                             (uint32_t)number_at(head + 16, 4), method == 8};
     zip->at += whole;
     zip->entries--;
     return ISO_OK;
 }
 
+iso_status iso_zip_check(const char *path, const iso_zip_entry *entry, const void *bytes, iso_error *error) {
+    return crc32_z(0, bytes, (z_size_t)entry->size) == entry->checksum
+               ? ISO_OK
+               : damaged(path, "the checksum of a file is wrong", error);
+}
+
 iso_status iso_zip_unpack(const char *path, const iso_zip_entry *entry, void *bytes, iso_error *error) {
     if (!entry->deflated) {
         memcpy(bytes, entry->data, (size_t)entry->size);
-        return ISO_OK;
+        return iso_zip_check(path, entry, bytes, error);
     }
     if (entry->size >= UINT_MAX || entry->packed > UINT_MAX)
         return iso_fail(error, ISO_ERR_LIMIT, "%s: a file in it is larger than 4 GB: store it (zip -0)",
@@ -107,5 +113,6 @@ iso_status iso_zip_unpack(const char *path, const iso_zip_entry *entry, void *by
     const int result = inflate(&z, Z_FINISH);
     const uint64_t got = z.total_out;
     inflateEnd(&z);
-    return result == Z_STREAM_END && got == entry->size ? ISO_OK : damaged(path, "a compressed file", error);
+    return result == Z_STREAM_END && got == entry->size ? iso_zip_check(path, entry, bytes, error)
+                                                        : damaged(path, "a compressed file", error);
 }

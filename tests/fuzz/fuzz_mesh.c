@@ -1,6 +1,7 @@
-/* fuzz: any bytes as a mesh: STL, OBJ, PLY, GIFTI or FreeSurfer's, by the first byte. What the reader
- * accepts must be sound and come back the same when it is written and read again; what it refuses must be
- * refused in one line that names the file. GIFTI and FreeSurfer's are read as numbers of vertices as well. */
+/* fuzz: any bytes as a mesh: STL, OBJ, PLY, GIFTI, FreeSurfer's, .glb or .3mf, by the first byte. What
+ * the reader accepts must be sound and come back the same when it is written and read again; what it
+ * refuses must be refused in one line that names the file. GIFTI and FreeSurfer's are read as numbers of
+ * vertices as well. */
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -76,13 +77,14 @@ static void read_values(const char *memory, const char *suffix, const char *arra
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    static const char *const suffixes[] = {"stl", "obj", "ply", "gii", "pial"};
+    static const char *const suffixes[] = {"stl", "obj", "ply", "gii", "pial", "glb", "3mf"};
     if (size < 1) return 0;
+    const int suffix = data[0] < 128 ? data[0] % 5 : 5 + data[0] % 2;
     char memory[64], path[64];
     int descriptor = memfd_create("fuzz_mesh", 0);
     if (descriptor < 0 || write(descriptor, data + 1, size - 1) != (ssize_t)(size - 1)) abort();
     snprintf(memory, sizeof memory, "/proc/self/fd/%d", descriptor);
-    snprintf(path, sizeof path, "/tmp/fuzz_mesh_%d.%s", (int)getpid(), suffixes[data[0] % 5]);
+    snprintf(path, sizeof path, "/tmp/fuzz_mesh_%d.%s", (int)getpid(), suffixes[suffix]);
     unlink(path);
     if (symlink(memory, path)) abort(); /* (the name says what it is) */
     int left = data[0] / 3;
@@ -98,8 +100,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         abort(); /* every error is one line that names the file */
     unlink(path);
     static const char *const arrays[] = {NULL, "1", "b"};
-    if (data[0] % 5 == 3) read_values(memory, "gii", arrays[data[0] / 5 % 3]);
-    if (data[0] % 5 == 4) read_values(memory, data[0] / 5 % 2 ? "curv" : "annot", NULL);
+    if (suffix == 3) read_values(memory, "gii", arrays[data[0] / 5 % 3]);
+    if (suffix == 4) read_values(memory, data[0] / 5 % 2 ? "curv" : "annot", NULL);
     close(descriptor);
     return 0;
 }

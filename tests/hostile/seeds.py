@@ -400,7 +400,7 @@ def make(programs, source, folder):
     seeds += object_seeds(source, "lines", "--lines", picture)
     seeds += object_seeds(source, "glyphs", "--glyphs", picture)
     seeds += point_seeds(source, picture)
-    for name in ("zlib.gii", "base64.gii", "freesurfer.pial"):
+    for name in ("zlib.gii", "base64.gii", "freesurfer.pial", "nodes.glb", "models.3mf", "stored.3mf"):
         with open(os.path.join(source, "tests/fuzz/corpus/mesh", name), "rb") as file:
             seeds.append(Seed("isorender mesh " + name, {"a." + name.rsplit(".", 1)[1]: file.read()[1:]}, "isorender --surface", picture))
     flat = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n" \

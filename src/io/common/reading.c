@@ -82,7 +82,7 @@ iso_status iso_reading_load(iso_reading *reading, iso_buffer *text, size_t *byte
 iso_status iso_reading_unzip(iso_reading *reading, const iso_zip_entry *entry, iso_buffer *buffer,
                              const unsigned char **bytes, iso_error *error) {
     *bytes = entry->data;
-    if (!entry->deflated) return ISO_OK;
+    if (!entry->deflated) return iso_zip_check(reading->path, entry, entry->data, error);
     ISO_TRY(iso_reading_reserve(reading, buffer, (size_t)entry->size + 1, 1, 0, error));
     *bytes = buffer->data;
     return iso_zip_unpack(reading->path, entry, buffer->data, error);

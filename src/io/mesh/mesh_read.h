@@ -1,6 +1,7 @@
-/* mesh_read: reads triangle meshes (.stl, .obj, .ply, .off, .vtk and .vtp with polygonal data); the format is
- * found from the content, and from the name if the content does not tell. Reads positions and faces only;
- * polygons become triangles. Positions are taken to be world millimetres. */
+/* mesh_read: reads triangle meshes (.stl, .obj, .ply, .off, .glb, .3mf, .vtk and .vtp with polygonal data
+ * ..); the format is found from the content, and from the name if the content does not tell. Reads
+ * positions and faces only; polygons become triangles. Positions are taken to be world millimetres, but
+ * in formats that state their unit. */
 #ifndef ISO_IO_MESH_MESH_READ_H
 #define ISO_IO_MESH_MESH_READ_H
 
