@@ -134,9 +134,35 @@ ISO_API iso_status iso_sculpt_cancel(iso_sculpt *sculpt, iso_error *error);
 ISO_API iso_status iso_sculpt_undo(iso_sculpt *sculpt, iso_error *error);
 /* Redoes the stroke undone last, exactly. ISO_ERR_USAGE: nothing to redo, or a stroke is in progress. */
 ISO_API iso_status iso_sculpt_redo(iso_sculpt *sculpt, iso_error *error);
-/* The numbers of strokes that can be undone, and redone. */
+/* The numbers of strokes and edits that can be undone, and redone. */
 ISO_API size_t iso_sculpt_undo_count(iso_sculpt *sculpt);
 ISO_API size_t iso_sculpt_redo_count(iso_sculpt *sculpt);
+/* A stroke that the field is made of. Strokes are numbered from 1 as they begin, cancelled ones, too. */
+typedef struct iso_sculpt_stroke {
+    unsigned number;
+    bool muted; /* it is left out */
+    iso_brush brush;
+    size_t samples; /* at least 1 */
+} iso_sculpt_stroke;
+
+/* The strokes that the field is made of, in the order in which they are drawn. ISO_ERR_USAGE: there is no
+ * such index; or the session was resumed at a snapshot beside its journal, and does not hold the strokes
+ * before it (the count is 0, and no stroke can be edited). */
+ISO_API size_t iso_sculpt_stroke_count(iso_sculpt *sculpt);
+ISO_API iso_status iso_sculpt_get_stroke(iso_sculpt *sculpt, size_t index, iso_sculpt_stroke *stroke,
+                                         iso_error *error);
+/* Edit past strokes, those with the numbers first to last. The field is afterwards, bit for bit, that of
+ * drawing the edited list of strokes anew. An edit is one step of the undo history, and in the journal. The
+ * first one draws all strokes once more, later ones those that they can reach. ISO_ERR_USAGE: there is no
+ * such stroke, an invalid brush, or a stroke is in progress. If one fails, nothing has changed. */
+ISO_API iso_status iso_sculpt_edit(iso_sculpt *sculpt, unsigned number, const iso_brush *brush,
+                                   iso_error *error);
+ISO_API iso_status iso_sculpt_mute(iso_sculpt *sculpt, unsigned first, unsigned last, bool muted,
+                                   iso_error *error);
+ISO_API iso_status iso_sculpt_delete(iso_sculpt *sculpt, unsigned first, unsigned last, iso_error *error);
+/* `before`: the number of the stroke that they are drawn before; 0: they are drawn last. */
+ISO_API iso_status iso_sculpt_move(iso_sculpt *sculpt, unsigned first, unsigned last, unsigned before,
+                                   iso_error *error);
 /* Sets the solid of ISO_SOLID_STAMP: the inside of a mesh in an .stl, .obj, .ply, .glb or .3mf file,
  * small holes closed. Its longest side is twice the brush's radius. The journal gets a copy of its
  * distance field. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh encloses nothing), ISO_ERR_USAGE (a

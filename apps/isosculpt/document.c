@@ -196,6 +196,7 @@ static iso_status create_session(isosculpt_document *document, iso_hgrid *grid, 
     iso_session_opts opts = *how;
     opts.pool = document->pool;
     opts.undo_memory = document->undo_memory;
+    opts.edits_aside = true;
     ISO_TRY(iso_session_create(grid, &document->start, &opts, &document->session, error));
     document->start_seconds = iso_clock_seconds();
     document->change_count = document->saved_change_count = 0;
@@ -349,6 +350,7 @@ static void remove_empty_journal(const isosculpt_document *document) {
 static void close_document(isosculpt_document *document, bool keep_unclosed) {
     isosculpt_document_poll_save(document, true, NULL, NULL);
     const bool complete = document->session && iso_session_journal_status(document->session, NULL) == ISO_OK;
+    isosculpt_stroke_editor_free(&document->strokes, document->session);
     iso_session_destroy(document->session);
     if (complete && document->journal_is_new && !document->has_stamp && document->change_count == 0)
         remove_empty_journal(document);

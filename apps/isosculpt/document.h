@@ -11,7 +11,7 @@
 
 #include <sys/types.h>
 
-#include "apps/isosculpt/task.h"
+#include "apps/isosculpt/stroke_editor.h"
 #include "sculpt/session/session.h"
 #include "source/source.h"
 
@@ -34,6 +34,7 @@ typedef struct isosculpt_backup {
 /* Zero-initialise, then set `pool` (borrowed) and `undo_memory`; isosculpt_document_close. */
 typedef struct isosculpt_document {
     iso_session *session; /* owned */
+    isosculpt_stroke_editor strokes;
     iso_journal_start start;
     char journal[ISOSCULPT_PATH]; /* path; "": no journal is written */
     char journal_error[512];      /* why there is no journal; "" when there is one */
@@ -41,7 +42,8 @@ typedef struct isosculpt_document {
     bool journal_is_new;          /* made by this session: removed when nothing was done */
     bool has_stamp;               /* the journal contains a stamp, so it is kept even without strokes */
     bool was_unclosed;            /* the journal was unclosed when it was opened */
-    size_t change_count;       /* number of strokes, undos and redos since the document was opened; a recovery
+    size_t
+        change_count; /* number of strokes, edits, undos and redos since the document was opened; a recovery
                                   counts as one */
     size_t saved_change_count; /* value of change_count when the target file was saved */
     double start_seconds;      /* iso_clock_seconds when the session began */

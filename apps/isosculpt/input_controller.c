@@ -11,8 +11,8 @@ static const double WHEEL_ZOOM = 1.1, RADIUS_STEP = 1.15, RADIUS_A_PIXEL = 1.01,
 static const double STRENGTH_MIN = 0.02;
 /* Zoom of a key press; pan of a key press, in picture heights. */
 static const double KEY_ZOOM = 1.25, KEY_PAN = 0.1;
-/* Distance between the touches of a stamp, in radii. */
-static const double STAMP_SPACING = 1;
+/* Pixels that the pointer moves at scale 1 before a press with Alt is a stroke. */
+static const double CLICK_PIXELS = 2;
 
 static const struct {
     iso_tool tool;
@@ -81,7 +81,13 @@ void isosculpt_controller_center_mirror(isosculpt_controller *controller) {
         iso_vec3_scale(iso_vec3_add(controller->surface_box.lo, controller->surface_box.hi), 0.5);
     iso_vec3 at = iso_affine_point_to_index(&affine, middle);
     at = iso_vec3_make(0.5 * round(2 * at.x), 0.5 * round(2 * at.y), 0.5 * round(2 * at.z));
-    controller->brush.mirror = iso_affine_point(&affine, at);
+    isosculpt_controller_brush(controller)->mirror = iso_affine_point(&affine, at);
+}
+
+iso_brush *isosculpt_controller_brush(isosculpt_controller *controller) {
+    isosculpt_document *document = controller->document;
+    const iso_stroke *stroke = isosculpt_stroke_editor_stroke(&document->strokes, document->session);
+    return stroke ? &document->strokes.brush : &controller->brush;
 }
 
 /* ---- strokes */
@@ -154,16 +160,14 @@ static bool cancel_unfinished_stroke(isosculpt_controller *controller) {
 static iso_brush stroke_brush(const isosculpt_controller *controller) {
     iso_brush brush = controller->brush;
     brush.tool = controller->tool;
-    bool tube = controller->tool == ISO_TOOL_ADD || controller->tool == ISO_TOOL_CARVE;
-    if (tube && brush.shape == ISO_SOLID_SPHERE)
-        brush.shape = ISO_SOLID_CAPSULE; /* leaves no ridges between touches */
-    if (brush.shape == ISO_SOLID_STAMP) brush.spacing = STAMP_SPACING;
-    return brush;
+    return isosculpt_brush_drawn(&brush);
 }
 
 static iso_status begin_stroke(isosculpt_controller *controller, const iso_brush *brush,
                                const iso_sample *sample, iso_edit_stats *stats) {
-    if (controller->viewing_volume)
+    controller->queueing =
+        controller->viewing_volume || isosculpt_stroke_editor_is_busy(&controller->document->strokes);
+    if (controller->queueing)
         return isosculpt_strokes_begin(&controller->queued_strokes, brush, sample, &controller->error);
     double start = iso_clock_seconds();
     iso_status status =
@@ -184,6 +188,7 @@ static void begin_drawing(isosculpt_controller *controller, unsigned modifiers, 
     if (status == ISO_OK) {
         controller->drag = ISOSCULPT_DRAG_BRUSH;
         controller->last_sample = sample;
+        isosculpt_stroke_editor_select(&controller->document->strokes, 0, 0);
     }
     finish_edit(controller, status, &stats);
 }
@@ -204,7 +209,7 @@ static void continue_drawing(isosculpt_controller *controller, double x, double 
     controller->last_sample = sample;
     double start = iso_clock_seconds();
     iso_status status =
-        controller->viewing_volume
+        controller->queueing
             ? isosculpt_strokes_add(&controller->queued_strokes, &sample, &controller->error)
             : iso_session_sample(controller->document->session, &sample, &stats, &controller->error);
     isosculpt_latency_add(&controller->edit, iso_clock_seconds() - start);
@@ -219,16 +224,18 @@ static void end_queued_stroke(isosculpt_controller *controller, bool cancel) {
 /* Ends or cancels the stroke. A stroke that cannot be ended is cancelled. */
 static void end_drawing(isosculpt_controller *controller, bool cancel) {
     iso_edit_stats stats = {0};
-    if (controller->viewing_volume) {
+    if (controller->queueing) {
         end_queued_stroke(controller, cancel);
         return;
     }
     iso_session *session = controller->document->session;
     controller->drag = ISOSCULPT_DRAG_NONE;
-    const iso_status status = cancel ? iso_session_cancel(session, &controller->error)
-                                     : iso_session_end(session, &controller->error);
+    iso_status status = cancel ? iso_session_cancel(session, &controller->error)
+                               : iso_session_end(session, &controller->error);
     controller->stroke_unfinished = status != ISO_OK;
     cancel_unfinished_stroke(controller);
+    if (status == ISO_OK && !cancel)
+        status = isosculpt_stroke_editor_place(&controller->document->strokes, session, &controller->error);
     if (controller->brush.symmetry) controller->surface_box = isosculpt_viewport_bounds(controller->viewport);
     finish_edit(controller, status, &stats);
 }
@@ -243,7 +250,10 @@ static iso_status apply_stroke(isosculpt_controller *controller, const isosculpt
     for (size_t i = 1; i < stroke->count && status == ISO_OK; i++)
         status = iso_session_sample(session, &stroke->samples[i], stats, &controller->error);
     const iso_status ended = iso_session_end(session, &controller->error);
-    return status == ISO_OK ? ended : status;
+    if (status == ISO_OK) status = ended;
+    return status == ISO_OK
+               ? isosculpt_stroke_editor_place(&controller->document->strokes, session, &controller->error)
+               : status;
 }
 
 void isosculpt_controller_drop_strokes(isosculpt_controller *controller) {
@@ -262,10 +272,34 @@ void isosculpt_controller_apply_strokes(isosculpt_controller *controller, isoscu
     finish_edit(controller, status, &stats);
 }
 
+void isosculpt_controller_update_strokes(isosculpt_controller *controller, void (*wake)(void)) {
+    isosculpt_document *document = controller->document;
+    isosculpt_stroke_editor *editor = &document->strokes;
+    iso_edit_stats stats = {0};
+    bool changed;
+    const bool drawing = controller->drag == ISOSCULPT_DRAG_BRUSH;
+    iso_status status = isosculpt_stroke_editor_take(editor, document->session, &changed, &controller->error);
+    document->change_count += changed;
+    controller->viewport->mask_changed |= changed;
+    if (changed || status != ISO_OK) finish_edit(controller, status, &stats);
+    if (controller->viewing_volume || controller->field_pending) return;
+    if (!editor->task && controller->queued_strokes.count && !drawing)
+        isosculpt_controller_apply_strokes(controller, &controller->queued_strokes);
+    status = ISO_OK;
+    if (!controller->brush_held && !controller->adjusting)
+        status = isosculpt_stroke_editor_request_brush(editor, &controller->error);
+    if (status == ISO_OK && (!drawing || controller->queueing))
+        status = isosculpt_stroke_editor_start(editor, document->session, wake, &controller->error);
+    if (status != ISO_OK) finish_edit(controller, status, &stats);
+}
+
 void isosculpt_controller_change_mask(isosculpt_controller *controller, iso_tool tool) {
     iso_edit_stats stats = {0};
     iso_session *session = controller->document->session;
-    if (controller->drag || controller->viewing_volume || !cancel_unfinished_stroke(controller)) return;
+    if (controller->drag || controller->viewing_volume ||
+        isosculpt_stroke_editor_is_busy(&controller->document->strokes) ||
+        !cancel_unfinished_stroke(controller))
+        return;
     if (tool == ISO_TOOL_CLEAR_MASK && !iso_session_has_mask(session)) return;
     const iso_brush brush = {.tool = tool, .radius = controller->brush.radius};
     /* The tool changes all voxels; the sample only has to be somewhere in the grid. */
@@ -337,26 +371,46 @@ void isosculpt_controller_press(isosculpt_controller *controller, isosculpt_butt
         controller->drag = handle == ISOSCULPT_CUT_TIP || modifiers & ISOSCULPT_MODIFIER_SHIFT
                                ? ISOSCULPT_DRAG_TILT
                                : ISOSCULPT_DRAG_PLANE;
-    else if (brush && isosculpt_pick_buffer_pick(&controller->viewport->drawn, x, y, &pick))
-        begin_drawing(controller, modifiers, x, y);
-    else
+    else if (!brush || !isosculpt_pick_buffer_pick(&controller->viewport->drawn, x, y, &pick))
         controller->drag = ISOSCULPT_DRAG_ORBIT;
+    else if (modifiers & ISOSCULPT_MODIFIER_ALT && !controller->viewing_volume) {
+        controller->drag = ISOSCULPT_DRAG_SELECT;
+        controller->press_x = x;
+        controller->press_y = y;
+        controller->press_modifiers = modifiers;
+    } else
+        begin_drawing(controller, modifiers, x, y);
 }
 
 void isosculpt_controller_set_radius(isosculpt_controller *controller, double radius) {
     double voxel = controller->document->start.voxel_size;
-    controller->brush.radius =
+    isosculpt_controller_brush(controller)->radius =
         fmin(fmax(radius, ISOSCULPT_RADIUS_LEAST * voxel), ISOSCULPT_RADIUS_MOST * voxel);
 }
 
 /* Changes the brush when the pointer has moved by dx pixels: its radius while X is held, its strength while C
  * is held. */
 static void adjust_brush(isosculpt_controller *controller, double dx) {
+    iso_brush *brush = isosculpt_controller_brush(controller);
     if (controller->adjusting == 'x')
-        isosculpt_controller_set_radius(controller, controller->brush.radius * pow(RADIUS_A_PIXEL, dx));
+        isosculpt_controller_set_radius(controller, brush->radius * pow(RADIUS_A_PIXEL, dx));
     else
-        controller->brush.strength =
-            fmin(fmax(controller->brush.strength + STRENGTH_A_PIXEL * dx, STRENGTH_MIN), 1);
+        brush->strength = fmin(fmax(brush->strength + STRENGTH_A_PIXEL * dx, STRENGTH_MIN), 1);
+}
+
+/* A press with Alt is a stroke, which begins where the button was pressed, once the pointer has moved. */
+static void begin_when_moved(isosculpt_controller *controller) {
+    const double x = controller->press_x, y = controller->press_y;
+    if (hypot(controller->x - x, controller->y - y) <= CLICK_PIXELS * controller->scale) return;
+    controller->drag = ISOSCULPT_DRAG_NONE;
+    begin_drawing(controller, controller->press_modifiers, x, y);
+}
+
+static void select_stroke(isosculpt_controller *controller) {
+    isosculpt_pick pick;
+    if (isosculpt_pick_buffer_pick(&controller->viewport->drawn, controller->press_x, controller->press_y,
+                                   &pick))
+        isosculpt_stroke_editor_seek(&controller->document->strokes, pick.position);
 }
 
 void isosculpt_controller_move(isosculpt_controller *controller, double x, double y) {
@@ -364,6 +418,7 @@ void isosculpt_controller_move(isosculpt_controller *controller, double x, doubl
     controller->x = x;
     controller->y = y;
     if (controller->adjusting && !controller->drag) adjust_brush(controller, dx);
+    if (controller->drag == ISOSCULPT_DRAG_SELECT) begin_when_moved(controller);
     if (controller->drag == ISOSCULPT_DRAG_BRUSH) continue_drawing(controller, x, y, false);
     if (controller->drag == ISOSCULPT_DRAG_ORBIT) isosculpt_viewport_orbit(controller->viewport, dx, dy);
     if (controller->drag == ISOSCULPT_DRAG_PAN) isosculpt_viewport_pan(controller->viewport, dx, dy);
@@ -378,6 +433,7 @@ void isosculpt_controller_release(isosculpt_controller *controller, isosculpt_bu
         continue_drawing(controller, controller->x, controller->y, true);
         end_drawing(controller, false);
     }
+    if (controller->drag == ISOSCULPT_DRAG_SELECT) select_stroke(controller);
     controller->drag = ISOSCULPT_DRAG_NONE;
 }
 
@@ -392,7 +448,8 @@ void isosculpt_controller_scroll(isosculpt_controller *controller, double steps)
 }
 
 bool isosculpt_controller_pick(const isosculpt_controller *controller, isosculpt_pick *pick) {
-    const bool brush = !controller->drag || controller->drag == ISOSCULPT_DRAG_BRUSH;
+    const bool brush = !controller->drag || controller->drag == ISOSCULPT_DRAG_BRUSH ||
+                       controller->drag == ISOSCULPT_DRAG_SELECT;
     if (!brush || isosculpt_controller_handle(controller)) return false;
     return isosculpt_pick_buffer_pick(&controller->viewport->drawn, controller->x, controller->y, pick);
 }
@@ -402,14 +459,17 @@ bool isosculpt_controller_pick(const isosculpt_controller *controller, isosculpt
 static void undo_or_redo(isosculpt_controller *controller, bool redo) {
     iso_edit_stats stats = {0};
     iso_session *session = controller->document->session;
-    if (controller->field_pending && !redo && !controller->drag) {
+    isosculpt_stroke_editor *editor = &controller->document->strokes;
+    if (!redo && !controller->drag && (controller->field_pending || controller->queued_strokes.count)) {
         isosculpt_strokes_remove_last(&controller->queued_strokes);
         return;
     }
+    if (controller->drag == ISOSCULPT_DRAG_BRUSH || (!redo && isosculpt_stroke_editor_withdraw(editor)))
+        return;
+    isosculpt_stroke_editor_stop(editor, session);
     const iso_history *history = iso_session_history(session);
     size_t position = iso_history_position(history);
-    if (controller->drag == ISOSCULPT_DRAG_BRUSH || position == (redo ? iso_history_count(history) : 0))
-        return;
+    if (position == (redo ? iso_history_count(history) : 0)) return;
     if (!cancel_unfinished_stroke(controller)) return;
     iso_status status =
         redo ? iso_session_redo(session, &controller->error) : iso_session_undo(session, &controller->error);
@@ -506,6 +566,7 @@ static bool choose_tool(isosculpt_controller *controller, int key) {
     while (number < ISOSCULPT_TOOLS && tools[number].key != key) number++;
     if (number == ISOSCULPT_TOOLS) return false;
     controller->brush.tool = tools[number].tool;
+    isosculpt_stroke_editor_select(&controller->document->strokes, 0, 0);
     if (!controller->viewing_volume) return true;
     controller->commands |= ISOSCULPT_COMMAND_SCULPT;
     if (controller->field_pending) return true;
@@ -519,11 +580,15 @@ static bool handle_brush_key(isosculpt_controller *controller, int key, unsigned
     if (key == 'm' && modifiers & ISOSCULPT_MODIFIER_ALT)
         isosculpt_controller_change_mask(controller, ISO_TOOL_CLEAR_MASK);
     else if (key == '[' || key == ']' || key == ',' || key == '.')
-        isosculpt_controller_set_radius(controller, key == ']' || key == '.'
-                                                        ? controller->brush.radius * RADIUS_STEP
-                                                        : controller->brush.radius / RADIUS_STEP);
+        isosculpt_controller_set_radius(controller,
+                                        key == ']' || key == '.'
+                                            ? isosculpt_controller_brush(controller)->radius * RADIUS_STEP
+                                            : isosculpt_controller_brush(controller)->radius / RADIUS_STEP);
     else if (key == 'x' || key == 'c')
         controller->adjusting = (char)key;
+    else if (key == ISOSCULPT_KEY_DELETE)
+        isosculpt_stroke_editor_request_all(&controller->document->strokes, ISO_EVENT_DELETE,
+                                            &controller->error);
     else if (key == ISOSCULPT_KEY_ESCAPE && controller->drag == ISOSCULPT_DRAG_BRUSH)
         end_drawing(controller, true);
     else

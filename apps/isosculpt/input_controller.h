@@ -26,6 +26,7 @@ typedef enum isosculpt_key {
     ISOSCULPT_KEY_RIGHT,
     ISOSCULPT_KEY_TOP,
     ISOSCULPT_KEY_ESCAPE,
+    ISOSCULPT_KEY_DELETE,     /* deletes the selected strokes */
     ISOSCULPT_KEY_ARROW_LEFT, /* the picture moves to the left */
     ISOSCULPT_KEY_ARROW_RIGHT,
     ISOSCULPT_KEY_ARROW_UP,
@@ -38,7 +39,8 @@ typedef enum isosculpt_drag {
     ISOSCULPT_DRAG_ORBIT,
     ISOSCULPT_DRAG_PAN,
     ISOSCULPT_DRAG_PLANE, /* moves the plane that cuts (viewport/cut.h) */
-    ISOSCULPT_DRAG_TILT   /* tilts it */
+    ISOSCULPT_DRAG_TILT,  /* tilts it */
+    ISOSCULPT_DRAG_SELECT /* Alt on the surface: a stroke when the pointer moves, else selects one */
 } isosculpt_drag;
 
 /* Commands for the window, as bits of isosculpt_controller.commands. */
@@ -68,9 +70,14 @@ typedef struct isosculpt_controller {
     iso_sample last_sample; /* of the stroke, as the session got it */
     iso_tool tool;          /* of the stroke */
 
+    double press_x, press_y; /* ISOSCULPT_DRAG_SELECT: where it began, and with which modifier keys */
+    unsigned press_modifiers;
+    bool brush_held; /* the panel's brush is being changed: a stroke gets it when this is over */
+
     bool viewing_volume; /* a volume is shown: there is no field that a brush could change */
     bool field_pending;  /* the volume is to become a field, or becomes one: strokes are queued until then */
     isosculpt_strokes queued_strokes; /* owned */
+    bool queueing; /* the stroke that is drawn is queued: there is no field, or past ones are edited */
 
     iso_box surface_box;    /* world box of the surface after the last stroke; the mirror planes are drawn as
                                large as it */
@@ -94,6 +101,14 @@ iso_tool isosculpt_controller_modified_tool(iso_tool tool, unsigned modifiers);
 void isosculpt_controller_init(isosculpt_controller *controller, isosculpt_document *document,
                                isosculpt_viewport *viewport);
 void isosculpt_controller_free(isosculpt_controller *controller);
+
+/* The brush that the panel shows and changes: that of the stroke that is selected, or else the next one's. */
+iso_brush *isosculpt_controller_brush(isosculpt_controller *controller);
+
+/* Makes the edits of strokes that are requested (document->strokes) in the background, and then draws the
+ * strokes that were made meanwhile. Called often; `wake`: see isosculpt_task_start. Errors are stored in
+ * controller->error. */
+void isosculpt_controller_update_strokes(isosculpt_controller *controller, void (*wake)(void));
 
 /* Moves the brush's mirror planes to the middle of the surface's box, rounded to a voxel or half-way between
  * two, so that mirrored strokes make exactly mirrored voxels. */
@@ -124,7 +139,7 @@ enum { ISOSCULPT_RADIUS_LEAST = 2, ISOSCULPT_RADIUS_MOST = 256 };
 void isosculpt_controller_set_radius(isosculpt_controller *controller, double radius);
 
 /* Changes the whole mask as a stroke of its own: ISO_TOOL_CLEAR_MASK, or ISO_TOOL_INVERT_MASK. Does nothing
- * while the pointer is dragged, or while a volume is shown. */
+ * while the pointer is dragged, while a volume is shown, or while strokes are being edited. */
 void isosculpt_controller_change_mask(isosculpt_controller *controller, iso_tool tool);
 
 /* Makes a stamp the shape of the brush; the session takes it over. Not during a stroke. */

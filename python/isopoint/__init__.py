@@ -8,11 +8,11 @@ below; Ctrl-C works during long calls, and other threads of Python run meanwhile
 from ._core import EmptySurface, Error, FileError, NoMemory, UnsupportedError, UsageError, version
 from ._picture import Camera, Glass, Keys, Look, Picture, render
 from ._scene import Scene
-from ._sculpt import Brush, Sculpt
+from ._sculpt import Brush, Sculpt, Stroke
 from ._things import (Cloud, ColorBy, Gaussians, Glyphs, Labels, Lines, Mesh, MeshItem, Points, Surface, Thing)
 from ._volume import Volume
 
 __version__ = version()
 __all__ = ["Brush", "Camera", "Cloud", "ColorBy", "EmptySurface", "Error", "FileError", "Gaussians", "Glass", "Glyphs",
            "Keys", "Labels", "Lines", "Look", "Mesh", "MeshItem", "NoMemory", "Picture", "Points", "Scene", "Sculpt",
-           "Surface", "Thing", "UnsupportedError", "UsageError", "Volume", "render", "version"]
+           "Stroke", "Surface", "Thing", "UnsupportedError", "UsageError", "Volume", "render", "version"]

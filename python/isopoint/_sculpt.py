@@ -39,6 +39,14 @@ class Brush:
     pressure_radius: bool = False
     pressure_strength: bool = False
 
+    @classmethod
+    def _of(cls, b: Any) -> "Brush":
+        def name(names: "dict[str, int]", value: int) -> str:
+            return next(n for n, v in names.items() if v == value)
+        return cls(b.radius, name(_TOOLS, b.tool), name(_SOLIDS, b.shape), name(_FALLOFFS, b.falloff), b.strength, b.aspect,
+                   b.blend, b.spacing, "".join(a for i, a in enumerate("xyz") if b.symmetry >> i & 1),
+                   (b.mirror.x, b.mirror.y, b.mirror.z), b.pressure_radius, b.pressure_strength)
+
     def _made(self) -> Any:
         return ffi.new("iso_brush *", {
             "tool": one_of(_TOOLS, self.tool, "tool"), "shape": one_of(_SOLIDS, self.shape, "shape"),
@@ -46,6 +54,16 @@ class Brush:
             "aspect": self.aspect, "blend": self.blend, "spacing": self.spacing, "mirror": vec3(self.mirror, "mirror"),
             "symmetry": sum(1 << "xyz".index(a) for a in set(self.symmetry)), "pressure_radius": self.pressure_radius,
             "pressure_strength": self.pressure_strength})
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """A past stroke of a `Sculpt`: its number, from 1 as strokes begin; whether it is left out; its brush; its number of
+    positions."""
+    number: int
+    muted: bool
+    brush: Brush
+    samples: int
 
 
 class Sculpt:
@@ -112,24 +130,63 @@ class Sculpt:
             call(lib.iso_sculpt_end, self._handle)
         return int(stats.edited)
 
+    @property
+    def strokes(self) -> "list[Stroke]":
+        """The strokes that the field is made of, in the order in which they are drawn. None are known (and none can be
+        edited) of a session that was resumed at a snapshot beside its stroke file."""
+        out = ffi.new("iso_sculpt_stroke *")
+        strokes = []
+        with self.volume._lock:
+            for i in range(lib.iso_sculpt_stroke_count(self._handle)):
+                call(lib.iso_sculpt_get_stroke, self._handle, i, out)
+                strokes.append(Stroke(out.number, out.muted, Brush._of(out.brush), out.samples))
+        return strokes
+
+    def edit(self, number: int, brush: Brush) -> None:
+        """Gives a past stroke another brush. The field is then that of drawing all strokes anew, to the bit; an edit can
+        be undone, and is in the journal. The same holds for `mute`, `unmute`, `delete` and `move`, which act on the strokes
+        with the numbers `first` to `last` (by default `first` only)."""
+        with self.volume._lock:
+            call(lib.iso_sculpt_edit, self._handle, number, brush._made())
+
+    def mute(self, first: int, last: Optional[int] = None) -> None:
+        """Leaves strokes out."""
+        with self.volume._lock:
+            call(lib.iso_sculpt_mute, self._handle, first, last or first, True)
+
+    def unmute(self, first: int, last: Optional[int] = None) -> None:
+        """Draws strokes again that were left out."""
+        with self.volume._lock:
+            call(lib.iso_sculpt_mute, self._handle, first, last or first, False)
+
+    def delete(self, first: int, last: Optional[int] = None) -> None:
+        """Removes strokes."""
+        with self.volume._lock:
+            call(lib.iso_sculpt_delete, self._handle, first, last or first)
+
+    def move(self, first: int, last: Optional[int] = None, *, before: int = 0) -> None:
+        """Moves strokes: they are drawn before the stroke `before`, or (0) last."""
+        with self.volume._lock:
+            call(lib.iso_sculpt_move, self._handle, first, last or first, before)
+
     def undo(self) -> None:
-        """Undoes the last stroke, exactly."""
+        """Undoes the last stroke or edit, exactly."""
         with self.volume._lock:
             call(lib.iso_sculpt_undo, self._handle)
 
     def redo(self) -> None:
-        """Redoes the stroke that was undone last, exactly."""
+        """Redoes the stroke or edit that was undone last, exactly."""
         with self.volume._lock:
             call(lib.iso_sculpt_redo, self._handle)
 
     @property
     def undo_count(self) -> int:
-        """The number of strokes that can be undone."""
+        """The number of strokes and edits that can be undone."""
         return int(lib.iso_sculpt_undo_count(self._handle))
 
     @property
     def redo_count(self) -> int:
-        """The number of strokes that can be redone."""
+        """The number of strokes and edits that can be redone."""
         return int(lib.iso_sculpt_redo_count(self._handle))
 
     def set_stamp(self, path: Path) -> None:

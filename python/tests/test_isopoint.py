@@ -357,6 +357,44 @@ class Sculpting(unittest.TestCase):
             again = isopoint.Sculpt.replay(f"{folder}/a.strokes")
             self.assertTrue((again.surface.render(size=(64, 64)).array == picture).all())
 
+    def test_edits(self):
+        """Edits of past strokes give what drawing the edited strokes gives."""
+        def field(*strokes):
+            made = isopoint.Sculpt(shape=(96, 96, 96), radius=30)
+            for brush, at in strokes:
+                made.stroke(brush, at)
+            return made
+
+        def same(a, b):
+            pictures = [x.surface.render(size=(128, 128)).array for x in (a, b)]
+            return (pictures[0] == pictures[1]).all() and a.surface.measure()["triangles"] == b.surface.measure()["triangles"]
+
+        bump, dent = isopoint.Brush(8, symmetry="x"), isopoint.Brush(6, "carve", strength=0.5)
+        a, b, c = (bump, [[25, 0, 15], [22, 15, 15]]), (dent, [[20, 5, 20]]), (isopoint.Brush(9, "inflate", strength=1), [[20, 5, 24]])
+        s = field(a, b, c)
+        self.assertEqual([(x.number, x.muted, x.brush, x.samples) for x in s.strokes],
+                         [(1, False, bump, 2), (2, False, dent, 1), (3, False, c[0], 1)])
+        wide = isopoint.Brush(10, "carve", strength=0.5)
+        s.edit(2, wide)
+        self.assertTrue(same(s, field(a, (wide, b[1]), c)))
+        self.assertFalse(same(s, field(a, b, c)))
+        s.undo()
+        s.mute(1, 2)
+        s.unmute(2)
+        self.assertTrue(same(s, field(b, c)))
+        self.assertEqual([x.muted for x in s.strokes], [True, False, False])
+        s.unmute(1)
+        s.move(3, before=1)
+        self.assertEqual([x.number for x in s.strokes], [3, 1, 2])
+        self.assertTrue(same(s, field(c, a, b)))
+        s.move(3)
+        s.delete(1)
+        self.assertTrue(same(s, field(b, c)))
+        for wrong in (lambda: s.mute(9), lambda: s.delete(0), lambda: s.move(2, before=2), lambda: s.edit(2, isopoint.Brush(-1))):
+            with self.assertRaises(isopoint.UsageError):
+                wrong()
+        self.assertTrue(same(s, field(b, c)))
+
     def test_of_volume(self):
         v = isopoint.Volume(bumpy(40))
         s = isopoint.Sculpt.from_volume(v, 128)

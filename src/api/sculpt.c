@@ -16,6 +16,8 @@ enum { DEFAULT_VOXELS = 256 };
 struct iso_sculpt {
     iso_api_volume volume; /* its grid is the session's */
     iso_session *session;
+    iso_stroke_list strokes; /* as of `changes` */
+    size_t changes;          /* iso_session_stroke_changes + 1; 0: not listed yet */
 };
 
 static const iso_sculpt_opts defaults;
@@ -25,6 +27,7 @@ static const iso_sculpt_opts defaults;
 void iso_sculpt_destroy(iso_sculpt *sculpt) {
     if (!sculpt) return;
     iso_session_destroy(sculpt->session);
+    iso_stroke_list_free(&sculpt->strokes);
     iso_pool_destroy(sculpt->volume.pool);
     iso_free(sculpt);
 }
@@ -229,6 +232,59 @@ size_t iso_sculpt_undo_count(iso_sculpt *sculpt) {
 size_t iso_sculpt_redo_count(iso_sculpt *sculpt) {
     const iso_history *history = iso_session_history(sculpt->session);
     return iso_history_count(history) - iso_history_position(history);
+}
+
+/* ---- past strokes ---- */
+
+static iso_status list_strokes(iso_sculpt *sculpt, iso_error *error) {
+    const size_t changes = iso_session_stroke_changes(sculpt->session) + 1;
+    if (sculpt->changes == changes) return ISO_OK;
+    sculpt->changes = 0;
+    sculpt->strokes.count = 0;
+    ISO_TRY(iso_session_strokes(sculpt->session, &sculpt->strokes, error));
+    sculpt->changes = changes;
+    return ISO_OK;
+}
+
+size_t iso_sculpt_stroke_count(iso_sculpt *sculpt) {
+    return list_strokes(sculpt, NULL) == ISO_OK ? sculpt->strokes.count : 0;
+}
+
+iso_status iso_sculpt_get_stroke(iso_sculpt *sculpt, size_t index, iso_sculpt_stroke *stroke,
+                                 iso_error *error) {
+    ISO_TRY(list_strokes(sculpt, error));
+    if (index >= sculpt->strokes.count)
+        return iso_fail(error, ISO_ERR_USAGE, "there are %zu strokes", sculpt->strokes.count);
+    const iso_stroke *at = iso_stroke_at(&sculpt->strokes, index);
+    *stroke = (iso_sculpt_stroke){
+        .number = at->number, .muted = at->muted, .brush = at->brush, .samples = at->count};
+    return ISO_OK;
+}
+
+static iso_status edit(iso_sculpt *sculpt, iso_event event, iso_error *error) {
+    if (event.first < 1 || event.last < event.first)
+        return iso_fail(error, ISO_ERR_USAGE, "there are no strokes %u to %u", event.first, event.last);
+    return iso_session_edit(sculpt->session, &event, error);
+}
+
+iso_status iso_sculpt_edit(iso_sculpt *sculpt, unsigned number, const iso_brush *brush, iso_error *error) {
+    return edit(sculpt, (iso_event){.kind = ISO_EVENT_EDIT, .first = number, .last = number, .brush = *brush},
+                error);
+}
+
+iso_status iso_sculpt_mute(iso_sculpt *sculpt, unsigned first, unsigned last, bool muted, iso_error *error) {
+    const iso_event_kind kind = muted ? ISO_EVENT_MUTE : ISO_EVENT_UNMUTE;
+    return edit(sculpt, (iso_event){.kind = kind, .first = first, .last = last}, error);
+}
+
+iso_status iso_sculpt_delete(iso_sculpt *sculpt, unsigned first, unsigned last, iso_error *error) {
+    return edit(sculpt, (iso_event){.kind = ISO_EVENT_DELETE, .first = first, .last = last}, error);
+}
+
+iso_status iso_sculpt_move(iso_sculpt *sculpt, unsigned first, unsigned last, unsigned before,
+                           iso_error *error) {
+    return edit(sculpt, (iso_event){.kind = ISO_EVENT_MOVE, .first = first, .last = last, .before = before},
+                error);
 }
 
 iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error) {

@@ -21,16 +21,24 @@ static void add_progress_item(window *w, const char *verb, const char *path, con
     item->fraction = isosculpt_task_fraction(task);
 }
 
+/* Whether strokes have been drawn again for so long that their progress is shown. */
+static bool draws_strokes_long(const window *w) {
+    const double patience = 0.4;
+    return w->document.strokes.task && iso_clock_seconds() - w->document.strokes.seconds > patience;
+}
+
 /* Lists the running tasks in the order of their progress items; returns their number. */
 static int list_tasks(const window *w, isosculpt_task *tasks[ISOSCULPT_PROGRESS_ITEMS]) {
     int count = 0;
     if (w->load_job) tasks[count++] = isosculpt_load_job_task(w->load_job);
     if (w->document.saver) tasks[count++] = isosculpt_document_save_task(&w->document);
+    if (draws_strokes_long(w)) tasks[count++] = w->document.strokes.task;
     return count;
 }
 
 void isosculpt_window_show_progress(window *w) {
     isosculpt_task *tasks[ISOSCULPT_PROGRESS_ITEMS];
+    int at = 0;
     const int before = w->screen.progress_item_count, count = list_tasks(w, tasks);
     w->screen.progress_item_count = 0;
     if (w->load_job)
@@ -38,8 +46,9 @@ void isosculpt_window_show_progress(window *w) {
                           w->sculpting                               ? "Making a field of"
                           : isosculpt_load_job_is_stamp(w->load_job) ? "Stamp:"
                                                                      : "Opening",
-                          isosculpt_load_job_path(w->load_job), tasks[0]);
-    if (w->document.saver) add_progress_item(w, "Saving", w->document.saved_as, tasks[count - 1]);
+                          isosculpt_load_job_path(w->load_job), tasks[at++]);
+    if (w->document.saver) add_progress_item(w, "Saving", w->document.saved_as, tasks[at++]);
+    if (at < count) add_progress_item(w, "Drawing", "strokes again", tasks[at]);
     if (count || before) w->frames_left = w->frames_left > 0 ? w->frames_left : 1;
 }
 
@@ -148,6 +157,9 @@ static void show_edit_message(window *w) {
         isosculpt_window_set_status(w, true, clipped);
     else if (controller->edited && strcmp(w->screen.message, clipped) == 0)
         isosculpt_window_set_status(w, false, "");
+    if (w->document.strokes.found_none)
+        isosculpt_window_set_status(w, false, "No stroke made the surface there: the session began with it.");
+    w->document.strokes.found_none = false;
     controller->error.text[0] = 0;
     controller->clipped = controller->edited = false;
 }
@@ -171,13 +183,14 @@ iso_status isosculpt_window_process_commands(window *w, iso_error *error) {
     const unsigned results = w->screen.results;
     w->screen.results = 0;
     cancel_tasks(w, results);
-    if (w->screen.dialog && results & ~(3u * ISOSCULPT_RESULT_CANCEL))
+    if (w->screen.dialog && results & ~(7u * ISOSCULPT_RESULT_CANCEL))
         isosculpt_window_handle_dialog_result(w, results);
     else if (results & ISOSCULPT_RESULT_OPEN)
         open_typed_path(w);
     if (results & ISOSCULPT_RESULT_CHOSEN) use_chosen_path(w);
     if (results & ISOSCULPT_RESULT_COMMAND) isosculpt_window_copy_command(w);
     process_controller_commands(w);
+    isosculpt_controller_update_strokes(&w->controller, isosculpt_window_wake);
     sculpt_before_saving(w);
     isosculpt_window_start_save(w);
     apply_isovalue(w);

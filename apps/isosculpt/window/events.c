@@ -68,6 +68,7 @@ static int translate_key(int key, int scancode) {
                    {GLFW_KEY_KP_3, ISOSCULPT_KEY_RIGHT},
                    {GLFW_KEY_KP_7, ISOSCULPT_KEY_TOP},
                    {GLFW_KEY_ESCAPE, ISOSCULPT_KEY_ESCAPE},
+                   {GLFW_KEY_DELETE, ISOSCULPT_KEY_DELETE},
                    {GLFW_KEY_KP_ADD, '+'},
                    {GLFW_KEY_KP_SUBTRACT, '-'},
                    {GLFW_KEY_LEFT, ISOSCULPT_KEY_ARROW_LEFT},
@@ -168,14 +169,17 @@ static bool answer_dialog(window *w, int key, int meaning) {
 }
 
 /* Handles Escape outside a stroke and without an open list: closes the help, else cancels a background task,
- * else dismisses the message. */
+ * else dismisses the message, else selects no
+ * stroke. */
 static void handle_escape(window *w) {
     if (w->screen.help)
         w->screen.help = false;
     else if (w->screen.progress_item_count)
         w->screen.results |= ISOSCULPT_RESULT_CANCEL;
-    else
+    else if (w->screen.message[0])
         w->screen.message[0] = 0;
+    else
+        isosculpt_stroke_editor_select(&w->document.strokes, 0, 0);
 }
 
 /* Records keys for input boxes (isosculpt_typed). */

@@ -13,10 +13,12 @@
     X("1 .. 9", "brushes; picking one makes a volume a field to sculpt")                                     \
     X("Shift + left drag", "smooth")                                                                         \
     X("Alt or Ctrl + left drag", "the brush, inverted")                                                      \
+    X("Alt + click on the surface", "select the stroke that made it, to change it (Strokes, in the panel)")  \
+    X("Delete", "delete the selected strokes")                                                               \
     X("[  ] or ,  .", "smaller, larger brush")                                                               \
     X("X, C + moving the mouse", "size, strength")                                                           \
     X("Ctrl+I, Alt+M", "invert the mask, clear it")                                                          \
-    X("Escape", "take back the stroke, close a list, cancel opening or saving")                              \
+    X("Escape", "take back the stroke, close a list, cancel opening or saving, select no stroke")            \
     X("Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "undo, redo")                                                        \
     X("Ctrl+O", "open a file")                                                                               \
     X("Ctrl+S, Ctrl+Shift+S", "save; save as .vdb (level set), .stl, .ply or .obj (meshes)")                 \

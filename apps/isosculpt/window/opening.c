@@ -238,7 +238,8 @@ iso_status isosculpt_window_finish_opening(window *w, iso_error *error) {
     isosculpt_loaded loaded;
     if (!w->load_job || !isosculpt_task_done(isosculpt_load_job_task(w->load_job))) return ISO_OK;
     const isosculpt_dialog dialog = w->screen.dialog;
-    if (w->controller.drag || w->document.saver || (dialog && dialog != ISOSCULPT_DIALOG_RECOVER))
+    if (w->controller.drag || w->document.saver || isosculpt_stroke_editor_is_busy(&w->document.strokes) ||
+        (dialog && dialog != ISOSCULPT_DIALOG_RECOVER))
         return ISO_OK; /* a later call continues */
     if (must_ask_again(w)) {
         snprintf(w->next_path, sizeof w->next_path, "%s", isosculpt_load_job_path(w->load_job));

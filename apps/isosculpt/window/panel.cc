@@ -44,11 +44,9 @@ static const float PANEL_WIDTH = 304; /* at scale 1 */
 /* ---- sections of the panel */
 
 /* The widgets for the shape of the brush. The stamp can be chosen when one is loaded. */
-static void choose_shape(isosculpt_controller *controller) {
+static void choose_shape(iso_brush *brush, const iso_stamp *stamp) {
     static const iso_solid shapes[] = {ISO_SOLID_SPHERE, ISO_SOLID_BOX, ISO_SOLID_CYLINDER, ISO_SOLID_TORUS,
                                        ISO_SOLID_STAMP};
-    iso_brush *brush = &controller->brush;
-    const iso_stamp *stamp = iso_session_stamp(controller->document->session);
     const auto name = [&](iso_solid shape) {
         return shape == ISO_SOLID_STAMP && stamp ? stamp->name : iso_solid_name(shape);
     };
@@ -70,8 +68,7 @@ static void choose_shape(isosculpt_controller *controller) {
 }
 
 /* The widgets for the mirror planes and their positions. */
-static void choose_mirror(isosculpt_controller *controller) {
-    iso_brush *brush = &controller->brush;
+static void choose_mirror(isosculpt_controller *controller, iso_brush *brush) {
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted("symmetry");
     for (unsigned axis = 0; axis < 3; axis++) {
@@ -120,19 +117,24 @@ static const brush_button BRUSHES[ISOSCULPT_TOOLS] = {
     {"crease", "Digs a sharp groove along the stroke."},
     {"hook", "Draws a horn or a tentacle out of the surface, along the pointer's path."}};
 
-static void choose_brush(isosculpt_controller *controller) {
+static void choose_brush(isosculpt_controller *controller, iso_brush *brush) {
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x,
                 width = (ImGui::GetContentRegionAvail().x - 2 * gap) / 3;
     for (int i = 0; i < ISOSCULPT_TOOLS; i++) {
-        const bool chosen = controller->brush.tool == isosculpt_controller_tool(i);
+        const bool chosen = brush->tool == isosculpt_controller_tool(i), own = brush == &controller->brush;
         const char key = isosculpt_controller_tool_key(i), shown = (char)toupper(key);
         char label[32];
         snprintf(label, sizeof label, "%c  %s", shown, BRUSHES[i].label);
         if (i % 3) ImGui::SameLine(0, gap);
         if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_CheckMark));
-        if (ImGui::Button(label, ImVec2(width, 0))) isosculpt_controller_key(controller, key, 0, true);
+        if (ImGui::Button(label, ImVec2(width, 0))) {
+            if (own)
+                isosculpt_controller_key(controller, key, 0, true);
+            else
+                brush->tool = isosculpt_controller_tool(i);
+        }
         if (chosen) ImGui::PopStyleColor();
-        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\nKey: %c", BRUSHES[i].tip, shown);
+        if (ImGui::IsItemHovered() && own) ImGui::SetTooltip("%s\nKey: %c", BRUSHES[i].tip, shown);
     }
 }
 
@@ -148,14 +150,19 @@ static void change_mask(isosculpt_controller *controller) {
     ImGui::EndDisabled();
 }
 
-static void choose_strength(iso_brush *brush) {
+/* `own`: it is the brush of strokes to come. The strength of a past stroke that adds or removes a solid is in
+ * its path. */
+static void choose_strength(iso_brush *brush, bool own) {
     const double none = 0.02, full = 1;
-    ImGui::BeginDisabled(!isosculpt_tool_has_strength(brush->tool));
+    const bool in_path = !own && isosculpt_tool_has_shape(brush->tool);
+    ImGui::BeginDisabled(in_path || !isosculpt_tool_has_strength(brush->tool));
     ImGui::SliderScalar("strength", ImGuiDataType_Double, &brush->strength, &none, &full, "%.2f",
                         ImGuiSliderFlags_AlwaysClamp);
     ImGui::EndDisabled();
     if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
         ImGui::SetTooltip("%s", !isosculpt_tool_has_strength(brush->tool) ? "A mask has no strength."
+                                : in_path ? "How high it is built up, or how deep it is carved, is in\n"
+                                            "the path of a stroke."
                                 : isosculpt_tool_has_shape(brush->tool)
                                     ? "How high the stroke is built up, or how deep it is carved:\n"
                                       "1 is the radius. C and moving the mouse change it."
@@ -164,23 +171,29 @@ static void choose_strength(iso_brush *brush) {
 
 static void draw_brush_section(const isosculpt_screen *screen) {
     isosculpt_controller *controller = screen->controller;
-    choose_brush(controller);
+    const iso_stroke *stroke = panel_draw_stroke_title(controller);
+    iso_brush *brush = isosculpt_controller_brush(controller);
+    const bool own = stroke == nullptr;
+    const iso_stamp *stamp = own ? iso_session_stamp(controller->document->session) : stroke->stamp;
+    if (!own && brush->tool >= ISO_TOOL_CLEAR_MASK) return; /* it has no brush */
+    choose_brush(controller, brush);
     const double voxel = controller->document->start.voxel_size, low = ISOSCULPT_RADIUS_LEAST * voxel,
                  high = ISOSCULPT_RADIUS_MOST * voxel;
-    ImGui::SliderScalar("radius", ImGuiDataType_Double, &controller->brush.radius, &low, &high, "%.2f mm",
+    ImGui::SliderScalar("radius", ImGuiDataType_Double, &brush->radius, &low, &high, "%.2f mm",
                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("[ and ], or X and moving the mouse, change it.");
-    choose_strength(&controller->brush);
-    choose_shape(controller);
-    choose_mirror(controller);
+    choose_strength(brush, own);
+    choose_shape(brush, stamp);
+    choose_mirror(controller, brush);
     change_mask(controller);
+    controller->brush_held = !own && ImGui::IsAnyItemActive();
     if (!screen->pen) return;
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted("pressure");
     ImGui::SameLine();
-    ImGui::Checkbox("size", &controller->brush.pressure_radius);
+    ImGui::Checkbox("size", &brush->pressure_radius);
     ImGui::SameLine();
-    ImGui::Checkbox("strength##pen", &controller->brush.pressure_strength);
+    ImGui::Checkbox("strength##pen", &brush->pressure_strength);
 }
 
 bool panel_edit_color(const char *label, iso_rgb *color) {
@@ -359,6 +372,8 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     if (ImGui::CollapsingHeader("Cut and light")) panel_draw_cut(screen);
     if (screen->volume && ImGui::CollapsingHeader("Colour by data")) panel_draw_colors(screen);
     if (ImGui::CollapsingHeader("Numbers")) draw_numbers_section(screen->controller);
+    if (!viewing_volume && ImGui::CollapsingHeader("Strokes"))
+        panel_draw_strokes(screen->controller, panel->scale);
     ImGui::PopItemWidth();
     panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
     ImGui::End();
@@ -559,7 +574,7 @@ static void draw_browser(isosculpt_panel *panel, isosculpt_screen *screen) {
 static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     panel->modal = screen->dialog != ISOSCULPT_DIALOG_NOTHING || screen->browser.purpose;
     panel->place = panel->progress_items = panel->message = rectangle{ImVec2(0, 0), ImVec2(0, 0)};
-    screen->isovalue_dragged = false;
+    screen->isovalue_dragged = screen->controller->brush_held = false;
     if (screen->panel && !screen->blank) draw_panel(panel, screen);
     if (screen->progress_item_count) draw_progress(panel, screen);
     if (screen->help) draw_help(screen, panel->scale);

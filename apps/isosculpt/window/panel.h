@@ -29,12 +29,13 @@ enum {
     ISOSCULPT_RESULT_PROCEED = 4, /* close the window, or open the other file, despite unsaved changes */
     ISOSCULPT_RESULT_KEEP = 8,    /* close the dialog without doing anything */
     ISOSCULPT_RESULT_SAVE = 16,
-    ISOSCULPT_RESULT_OPEN = 32,     /* open `dialog_path` (in a dialog) or `typed_path` */
-    ISOSCULPT_RESULT_STAMP = 64,    /* use `dialog_path` as a stamp */
-    ISOSCULPT_RESULT_CANCEL = 128,  /* cancel progress_items[0]; twice this value (256): progress_items[1] */
-    ISOSCULPT_RESULT_REPLACE = 512, /* overwrite the file */
-    ISOSCULPT_RESULT_CHOSEN = 1024, /* `chosen_path` was chosen in the browser, for `chosen_purpose` */
-    ISOSCULPT_RESULT_COMMAND = 2048 /* copy the isorender command to the clipboard */
+    ISOSCULPT_RESULT_OPEN = 32,  /* open `dialog_path` (in a dialog) or `typed_path` */
+    ISOSCULPT_RESULT_STAMP = 64, /* use `dialog_path` as a stamp */
+    ISOSCULPT_RESULT_CANCEL =
+        128, /* cancel progress_items[0]; twice this value (256): progress_items[1] ... */
+    ISOSCULPT_RESULT_REPLACE = 1024, /* overwrite the file */
+    ISOSCULPT_RESULT_CHOSEN = 2048,  /* `chosen_path` was chosen in the browser, for `chosen_purpose` */
+    ISOSCULPT_RESULT_COMMAND = 4096  /* copy the isorender command to the clipboard */
 };
 
 /* A background task that is running. */
@@ -42,7 +43,7 @@ typedef struct isosculpt_progress_item {
     char text[160];
     double fraction; /* 0 .. 1 */
 } isosculpt_progress_item;
-enum { ISOSCULPT_PROGRESS_ITEMS = 2 };
+enum { ISOSCULPT_PROGRESS_ITEMS = 3 };
 
 /* The state that window and panel share: the panel shows it and changes it. Owned by the window. */
 typedef struct isosculpt_screen {

@@ -1,4 +1,4 @@
-/* The picture, and over it the brush's ring, the mirror planes and queued strokes. */
+/* The picture, and over it the brush's ring, the mirror planes, queued and selected strokes. */
 #include <cmath>
 
 #include "apps/isosculpt/viewport/mirror_line.h"
@@ -16,23 +16,22 @@ static void find_tangents(iso_vec3 normal, iso_vec3 *u, iso_vec3 *v) {
     *v = iso_vec3_cross(normal, *u);
 }
 
-static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, const isosculpt_pick &pick,
-                      float scale) {
+static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, iso_vec3 position, iso_vec3 normal,
+                      double radius, ImU32 color, float scale) {
     constexpr int CORNERS = 64;
     const isosculpt_pick_buffer *buffer = &screen->controller->viewport->drawn;
-    const double radius = screen->controller->brush.radius;
     ImVec2 corners[CORNERS];
     iso_vec3 u, v;
     double x, y, sine, cosine;
-    find_tangents(pick.normal, &u, &v);
+    find_tangents(normal, &u, &v);
     for (int i = 0; i < CORNERS; i++) {
         iso_sincos(2 * ISO_PI * i / CORNERS, &sine, &cosine);
         iso_vec3 offset = iso_vec3_add(iso_vec3_scale(u, radius * cosine), iso_vec3_scale(v, radius * sine));
-        if (!isosculpt_pick_buffer_pixel(buffer, iso_vec3_add(pick.position, offset), &x, &y)) return;
+        if (!isosculpt_pick_buffer_pixel(buffer, iso_vec3_add(position, offset), &x, &y)) return;
         corners[i] = to_window(screen, x, y);
     }
     list->AddPolyline(corners, CORNERS, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed, 3.5f * scale);
-    list->AddPolyline(corners, CORNERS, IM_COL32(255, 255, 255, 230), ImDrawFlags_Closed, 1.5f * scale);
+    list->AddPolyline(corners, CORNERS, color, ImDrawFlags_Closed, 1.5f * scale);
 }
 
 void panel_draw_brush(const isosculpt_screen *screen, float scale) {
@@ -41,7 +40,8 @@ void panel_draw_brush(const isosculpt_screen *screen, float scale) {
     isosculpt_pick pick;
     double x, y;
     if (!isosculpt_controller_pick(controller, &pick)) return;
-    draw_ring(screen, list, pick, scale);
+    draw_ring(screen, list, pick.position, pick.normal, controller->brush.radius,
+              IM_COL32(255, 255, 255, 230), scale);
     iso_vec3 tip = iso_vec3_add(pick.position, iso_vec3_scale(pick.normal, 0.4 * controller->brush.radius));
     if (isosculpt_pick_buffer_pixel(&controller->viewport->drawn, tip, &x, &y))
         list->AddLine(to_window(screen, controller->x, controller->y), to_window(screen, x, y),
@@ -57,8 +57,8 @@ static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axi
     static isosculpt_segment segments[SEGMENTS];
     const isosculpt_controller *controller = screen->controller;
     const isosculpt_pick_buffer *buffer = &controller->viewport->drawn;
-    const iso_vec3 mirror = controller->brush.mirror, lo = controller->surface_box.lo,
-                   hi = controller->surface_box.hi;
+    const iso_vec3 mirror = isosculpt_controller_brush(screen->controller)->mirror,
+                   lo = controller->surface_box.lo, hi = controller->surface_box.hi;
     const double at[] = {mirror.x, mirror.y, mirror.z}, low[] = {lo.x, lo.y, lo.z},
                  high[] = {hi.x, hi.y, hi.z};
     const size_t count = isosculpt_mirror_lines(buffer, axis, at[axis], segments, SEGMENTS);
@@ -79,18 +79,38 @@ static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axi
     list->AddPolyline(corners, 4, AXIS_COLORS[axis], ImDrawFlags_Closed, scale);
 }
 
-/* Draws the path of a stroke that will be applied when there is a field. */
-static void draw_queued_stroke(const isosculpt_screen *screen, ImDrawList *list,
-                               const isosculpt_stroke &stroke, float scale) {
+/* Draws the path of a stroke. */
+static void draw_path(const isosculpt_screen *screen, ImDrawList *list, const iso_sample *samples,
+                      size_t count, ImU32 color, float scale) {
     const isosculpt_pick_buffer *buffer = &screen->controller->viewport->drawn;
     ImVec2 before(0, 0);
     double x, y;
-    for (size_t i = 0; i < stroke.count; i++) {
-        if (!isosculpt_pick_buffer_pixel(buffer, stroke.samples[i].position, &x, &y)) continue;
+    for (size_t i = 0; i < count; i++) {
+        if (!isosculpt_pick_buffer_pixel(buffer, samples[i].position, &x, &y)) continue;
         const ImVec2 now = to_window(screen, x, y);
-        list->AddCircleFilled(now, 3 * scale, IM_COL32(255, 255, 255, 220));
-        if (i) list->AddLine(before, now, IM_COL32(255, 255, 255, 160), 2 * scale);
+        list->AddCircleFilled(now, 3 * scale, color);
+        if (i) list->AddLine(before, now, color, 2 * scale);
         before = now;
+    }
+}
+
+/* Draws the paths of the strokes that are selected; how far the brush of a single one reaches at its
+ * ends, too. */
+static void draw_selected(const isosculpt_screen *screen, ImDrawList *list, float scale) {
+    const unsigned most = 100;
+    const ImU32 color = IM_COL32(255, 200, 60, 230);
+    isosculpt_document *document = screen->controller->document;
+    isosculpt_stroke_editor *editor = &document->strokes;
+    const iso_stroke_list *strokes =
+        editor->first ? isosculpt_stroke_editor_list(editor, document->session) : nullptr;
+    if (!strokes || editor->last - editor->first >= most) return;
+    for (unsigned number = editor->first; number && number <= editor->last; number++) {
+        const iso_stroke *stroke = iso_stroke_find(strokes, number);
+        if (!stroke || stroke->brush.tool >= ISO_TOOL_CLEAR_MASK) continue;
+        draw_path(screen, list, stroke->samples, stroke->count, color, scale);
+        if (editor->first != editor->last) continue;
+        for (const iso_sample *end : {&stroke->samples[0], &stroke->samples[stroke->count - 1]})
+            draw_ring(screen, list, end->position, end->normal, editor->brush.radius, color, scale);
     }
 }
 
@@ -140,13 +160,17 @@ static void draw_cut(const isosculpt_screen *screen, ImDrawList *list, float sca
 void panel_draw_picture(const isosculpt_screen *screen, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
     const isosculpt_controller *controller = screen->controller;
+    const iso_brush *brush = isosculpt_controller_brush(screen->controller);
     if (screen->texture)
         list->AddImage((ImTextureID)(intptr_t)screen->texture, to_window(screen, 0, 0),
                        to_window(screen, screen->picture_width, screen->height));
     if (!screen->blank) draw_cut(screen, list, scale);
     if (screen->blank || (screen->volume && !screen->sculpting)) return;
     for (int axis = 0; axis < 3; axis++)
-        if (controller->brush.symmetry >> axis & 1) draw_plane(screen, list, axis, scale);
-    for (size_t i = 0; i < controller->queued_strokes.count; i++)
-        draw_queued_stroke(screen, list, controller->queued_strokes.strokes[i], scale);
+        if (brush->symmetry >> axis & 1) draw_plane(screen, list, axis, scale);
+    for (size_t i = 0; i < controller->queued_strokes.count; i++) {
+        const isosculpt_stroke *stroke = &controller->queued_strokes.strokes[i];
+        draw_path(screen, list, stroke->samples, stroke->count, IM_COL32(255, 255, 255, 190), scale);
+    }
+    draw_selected(screen, list, scale);
 }

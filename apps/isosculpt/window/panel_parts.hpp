@@ -46,13 +46,16 @@ iso_status panel_choose_font(const char *path, panel_font *font, iso_error *erro
 bool panel_set_style(const panel_font &font, float scale);
 
 /* Sections of the panel: a viewed volume's isovalue (panel_isovalue.cc) and colours (panel_color.cc),
- * files (panel_files.cc), cut and light (panel_cut.cc), and the part of the picture's section that is
- * about the reference (panel_reference.cc). `scale`: of text and widgets. */
+ * files (panel_files.cc), cut and light (panel_cut.cc), strokes (panel_strokes.cc), and the part of the
+ * picture's section that is about the reference (panel_reference.cc). `scale`: of text and widgets. */
 void panel_draw_isovalue(isosculpt_screen *screen, float scale);
 void panel_draw_colors(isosculpt_screen *screen);
 void panel_draw_files(isosculpt_screen *screen);
 void panel_draw_cut(isosculpt_screen *screen);
 void panel_draw_reference(isosculpt_screen *screen);
+void panel_draw_strokes(isosculpt_controller *controller, float scale);
+/* Above the widgets of the brush: which stroke they change. Returns it, NULL: the strokes to come. */
+const iso_stroke *panel_draw_stroke_title(isosculpt_controller *controller);
 
 /* A field that shows a colour and changes it; returns whether it was changed. */
 bool panel_edit_color(const char *label, iso_rgb *color);
@@ -60,8 +63,8 @@ bool panel_edit_color(const char *label, iso_rgb *color);
 /* The bar of a coloured surface's numbers, over the picture (panel_color.cc). */
 void panel_draw_color_bar(const isosculpt_screen *screen, float scale);
 
-/* Behind the panel (panel_overlay.cc): the picture with the mirror planes, the queued strokes and the handle
- * of the plane that cuts; the brush's ring. */
+/* Behind the panel (panel_overlay.cc): the picture with the mirror planes, queued and selected strokes and
+ * the handle of the plane that cuts; the brush's ring. */
 void panel_draw_picture(const isosculpt_screen *screen, float scale);
 void panel_draw_brush(const isosculpt_screen *screen, float scale);
 

@@ -48,6 +48,7 @@ void isosculpt_window_start_save(window *w) {
     iso_error reason = {0};
     bool replaces;
     if (!w->pending_save || w->volume || w->controller.drag == ISOSCULPT_DRAG_BRUSH || w->document.saver ||
+        isosculpt_stroke_editor_is_busy(&w->document.strokes) || w->controller.queued_strokes.count ||
         w->screen.dialog)
         return;
     if (isosculpt_document_check_target(&w->document, w->save_path, &replaces, &reason) != ISO_OK)

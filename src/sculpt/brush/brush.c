@@ -73,3 +73,11 @@ iso_status iso_brush_check(const iso_brush *brush, iso_error *error) {
                             ranges[i].value, ranges[i].low, ranges[i].high);
     return ISO_OK;
 }
+
+bool iso_brush_is_same(const iso_brush *a, const iso_brush *b) {
+    return a->tool == b->tool && a->shape == b->shape && a->falloff == b->falloff && a->radius == b->radius &&
+           a->strength == b->strength && a->aspect == b->aspect && a->blend == b->blend &&
+           a->spacing == b->spacing && a->symmetry == b->symmetry && a->mirror.x == b->mirror.x &&
+           a->mirror.y == b->mirror.y && a->mirror.z == b->mirror.z &&
+           a->pressure_radius == b->pressure_radius && a->pressure_strength == b->pressure_strength;
+}

@@ -70,6 +70,8 @@ iso_status iso_falloff_find(const char *name, iso_falloff *falloff, iso_error *e
  * range; the message names it. */
 iso_status iso_brush_check(const iso_brush *brush, iso_error *error);
 
+bool iso_brush_is_same(const iso_brush *a, const iso_brush *b);
+
 /* The samples that determine a touch: its own, that of the touch before it and the first one of the stroke.
  * At the start of a stroke all three are the same. */
 typedef struct iso_touch {

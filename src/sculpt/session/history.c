@@ -485,6 +485,37 @@ iso_status iso_history_redo(iso_history *history, iso_error *error) {
     return ISO_OK;
 }
 
+static iso_status restore_copy(const step *s, iso_hgrid *copy, iso_error *error) {
+    for (size_t i = 0; i < s->count; i++) {
+        const saved_cell *c = &s->cells[i];
+        int at[3];
+        float *brick;
+        if (is_mask(c)) continue;
+        iso_hgrid_cell_position(copy, c->cell, at);
+        if (c->state == BRICK) {
+            ISO_TRY(iso_hgrid_split(copy, at[0], at[1], at[2], &brick, error));
+            iso_cell_unpack(s->bytes + c->first, c->size, copy->band, brick);
+        } else
+            iso_hgrid_coalesce(copy, at[0], at[1], at[2], c->state);
+    }
+    return ISO_OK;
+}
+
+iso_status iso_history_first(iso_history *history, iso_hgrid *copy, iso_error *error) {
+    iso_status status = ISO_OK;
+    for (size_t i = history->position; status == ISO_OK && i-- > 0;) {
+        step *s = &history->steps[i];
+        const bool spilled = s->size && !s->bytes;
+        status = read_back(history, s, error);
+        if (status == ISO_OK) status = restore_copy(s, copy, error);
+        if (!spilled || !s->bytes) continue;
+        iso_free(s->bytes); /* it is in the file still */
+        s->bytes = NULL;
+        history->used -= s->size;
+    }
+    return status;
+}
+
 iso_status iso_history_clear(iso_history *history, iso_error *error) {
     if (history->open) return iso_fail(error, ISO_ERR_USAGE, "cannot forget steps while one is open");
     history->position = 0;

@@ -50,6 +50,10 @@ iso_status iso_history_cancel(iso_history *history, iso_error *error);
 iso_status iso_history_undo(iso_history *history, iso_error *error);
 iso_status iso_history_redo(iso_history *history, iso_error *error);
 
+/* Brings a copy of the grid to what the grid was before all steps; the grid and the steps stay as they are.
+ * For any thread while no step is begun, undone or redone. ISO_ERR_IO, ISO_ERR_NOMEM. */
+iso_status iso_history_first(iso_history *history, iso_hgrid *copy, iso_error *error);
+
 /* Discards all steps. ISO_ERR_USAGE: a step is open. */
 iso_status iso_history_clear(iso_history *history, iso_error *error);
 

@@ -40,7 +40,13 @@ struct iso_session {
     iso_stroke_log log;     /* of all strokes, unless it is `partial` */
     iso_stroke_list list;   /* the last one that an edit resolved */
     iso_versions *versions; /* NULL: no edit has needed them yet */
-    bool partial;           /* the session began with a checkpoint: strokes before it are not in the log */
+    bool edits_aside;
+    iso_pool *edit_pool; /* owned; draws them if edits_aside */
+    bool editing,
+        edit_is_logged; /* between begin and end of an edit; the last entry of the log is that edit */
+    const iso_progress *edit_progress;
+    iso_event edit;
+    bool partial;   /* the session began with a checkpoint: strokes before it are not in the log */
     bool inserting; /* the stroke that is being drawn belongs before another one, and is drawn at its end */
     iso_snapshot *snapshots[ISO_SESSION_SNAPSHOTS];
     iso_checkpoint *checkpoint;      /* being written; NULL: none */
@@ -327,6 +333,7 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
     }
     session->grid = grid;
     session->pool = opts->pool;
+    session->edits_aside = opts->edits_aside;
     session->pen = (iso_pen){.touch = touch_field, .context = session};
     session->cost_factor = opts->cost_factor > 0 ? opts->cost_factor : 1;
     session->checkpoint_strokes =
@@ -345,6 +352,7 @@ void iso_session_destroy(iso_session *session) {
     if (session->journal) iso_journal_close(session->journal, NULL);
     iso_stamp_free(session->stamp);
     iso_versions_destroy(session->versions);
+    iso_pool_destroy(session->edit_pool);
     iso_stroke_list_free(&session->list);
     iso_stroke_log_free(&session->log);
     iso_history_destroy(session->history);
@@ -373,13 +381,18 @@ iso_status iso_session_journal_status(iso_session *session, iso_error *error) {
     return session->journal ? iso_journal_status(session->journal, error) : ISO_OK;
 }
 
-/* ---- strokes */
-
 /* ---- edits of strokes */
 
 static iso_status no_strokes(iso_error *error) {
     return iso_fail(error, ISO_ERR_USAGE,
                     "the session began with a snapshot, and holds no strokes before it");
+}
+
+/* Fails while a stroke is drawn or strokes are edited. */
+static iso_status check_idle(const iso_session *session, iso_error *error) {
+    if (!session->drawing && !session->editing) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE,
+                    session->drawing ? "a stroke is being drawn" : "strokes are being edited");
 }
 
 /* Resolves the log with what was added to it last. */
@@ -390,41 +403,43 @@ static iso_status check_edit(iso_session *session, iso_error *error) {
 
 /* iso_versions_check. */
 static iso_status check_versions(void *context, double cost, iso_error *error) {
-    return check_total(context, cost, error);
+    const iso_session *session = context;
+    if (iso_progress_cancelled(session->edit_progress))
+        return iso_fail(error, ISO_ERR_IO, "the strokes: cancelled");
+    return check_total(session, cost, error);
 }
 
-/* Copies the field before all strokes, which undoing every step brings back. */
+/* Copies the field before all strokes. */
 static iso_status copy_first_field(iso_session *session, iso_hgrid **first, iso_error *error) {
-    const size_t position = iso_history_position(session->history);
     const int lo[3] = {0, 0, 0},
               hi[3] = {session->grid->dims[0] - 1, session->grid->dims[1] - 1, session->grid->dims[2] - 1};
-    iso_status status = ISO_OK;
-    while (status == ISO_OK && iso_history_position(session->history)) {
-        session->undo_cost +=
-            2 * iso_history_cost(session->history, iso_history_position(session->history) - 1);
-        status = iso_history_undo(session->history, error);
-    }
-    if (status == ISO_OK) status = iso_hgrid_crop(session->grid, lo, hi, first, error);
-    while (iso_history_position(session->history) < position) {
-        const iso_status again = iso_history_redo(session->history, status == ISO_OK ? error : NULL);
-        if (again != ISO_OK) return again;
-    }
+    ISO_TRY(iso_hgrid_crop(session->grid, lo, hi, first, error));
+    for (size_t i = iso_history_position(session->history); i-- > 0;)
+        session->undo_cost += iso_history_cost(session->history, i);
+    const iso_status status = iso_history_first(session->history, *first, error);
+    if (status != ISO_OK) iso_hgrid_destroy(*first);
     return status;
 }
 
-/* Makes the versions of the strokes as they are before the last entry of the log. */
-static iso_status update_versions(iso_session *session, iso_error *error) {
+static iso_status make_versions(iso_session *session, iso_error *error) {
+    iso_hgrid *first = NULL;
+    if (session->versions) return ISO_OK;
+    if (session->edits_aside && !session->edit_pool)
+        ISO_TRY(iso_pool_create(iso_pool_threads(session->pool), &session->edit_pool, error));
+    ISO_TRY(copy_first_field(session, &first, error));
+    return iso_versions_create(first, session->edits_aside ? session->edit_pool : session->pool,
+                               check_versions, session, &session->versions, error);
+}
+
+/* Makes the versions of the strokes as they are before the last `entries` entries of the log. */
+static iso_status update_versions(iso_session *session, size_t entries, const iso_progress *progress,
+                                  iso_error *error) {
     iso_stroke_list list = {.count = 0};
     iso_stroke_log before = session->log;
-    before.position--;
-    if (!session->versions) {
-        iso_hgrid *first = NULL;
-        ISO_TRY(copy_first_field(session, &first, error));
-        ISO_TRY(
-            iso_versions_create(first, session->pool, check_versions, session, &session->versions, error));
-    }
+    before.position -= entries;
+    ISO_TRY(make_versions(session, error));
     iso_status status = iso_stroke_log_resolve(&before, &list, error);
-    if (status == ISO_OK) status = iso_versions_update(session->versions, &list, NULL, error);
+    if (status == ISO_OK) status = iso_versions_update(session->versions, &list, progress, error);
     iso_stroke_list_free(&list);
     return status;
 }
@@ -460,14 +475,19 @@ static iso_status write_change(iso_session *session, const iso_step_opts *step, 
     return ISO_OK;
 }
 
+/* Makes the versions of session->list, which has the last entry of the log. */
+static iso_status draw_list(iso_session *session, const iso_progress *progress, iso_error *error) {
+    const iso_progress before = iso_progress_part(progress, 0, 0.5),
+                       after = iso_progress_part(progress, 0.5, 1);
+    ISO_TRY(update_versions(session, 1, progress ? &before : NULL, error));
+    return iso_versions_update(session->versions, &session->list, progress ? &after : NULL, error);
+}
+
 /* Makes the field that of session->list, as a step. If it fails, the field is unchanged. */
-static iso_status draw_list(iso_session *session, const char *name, iso_error *error) {
-    iso_status status = check_edit(session, error);
-    if (status == ISO_OK) status = update_versions(session, error);
-    if (status == ISO_OK) status = iso_versions_update(session->versions, &session->list, NULL, error);
-    if (status == ISO_OK) status = iso_history_begin(session->history, name, error);
-    if (status != ISO_OK) return status;
+static iso_status write_list(iso_session *session, const char *name, iso_error *error) {
+    ISO_TRY(iso_history_begin(session->history, name, error));
     const iso_step_opts step = iso_history_step_opts(session->history);
+    iso_status status = ISO_OK;
     iso_history_keep(session->history);
     iso_change_log_begin(session->grid->log);
     for (size_t i = 0; status == ISO_OK && i < iso_versions_change_count(session->versions); i++)
@@ -479,6 +499,8 @@ static iso_status draw_list(iso_session *session, const char *name, iso_error *e
         iso_history_cancel(session->history, NULL);
     return status;
 }
+
+/* ---- strokes */
 
 /* Writes the name of an undo step: the tool and, unless it is a sphere or capsule, the solid. */
 static void name_step(const iso_brush *brush, char *name, size_t size) {
@@ -501,7 +523,7 @@ static iso_status begin_step(iso_session *session, const iso_event *event, iso_e
 
 static iso_status begin_stroke(iso_session *session, const iso_event *event, iso_edit_stats *stats,
                                iso_error *error) {
-    if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn already");
+    ISO_TRY(check_idle(session, error));
     ISO_TRY(iso_brush_check(&event->brush, error));
     ISO_TRY(check_record(session, event, error));
     ISO_TRY(iso_stroke_log_add(&session->log, event, session->stamp, false, error));
@@ -552,7 +574,9 @@ iso_status iso_session_end(iso_session *session, iso_error *error) {
     const iso_event event = {.kind = ISO_EVENT_END};
     if (!session->drawing) return iso_fail(error, ISO_ERR_USAGE, "no stroke is being drawn");
     if (session->inserting) {
-        ISO_TRY(draw_list(session, "insert", error));
+        ISO_TRY(check_edit(session, error));
+        ISO_TRY(draw_list(session, NULL, error));
+        ISO_TRY(write_list(session, "insert", error));
     } else {
         ISO_TRY(iso_editor_finalize(session->editor, error));
         const bool step = iso_history_open_cells(session->history) > 0;
@@ -572,31 +596,84 @@ iso_status iso_session_cancel(iso_session *session, iso_error *error) {
 }
 
 iso_status iso_session_undo(iso_session *session, iso_error *error) {
-    if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "cannot undo while a stroke is being drawn");
+    ISO_TRY(check_idle(session, error));
     ISO_TRY(iso_history_undo(session->history, error));
     iso_stroke_log_undo(&session->log);
     return record_kind(session, ISO_EVENT_UNDO, error);
 }
 
 iso_status iso_session_redo(iso_session *session, iso_error *error) {
-    if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "cannot redo while a stroke is being drawn");
+    ISO_TRY(check_idle(session, error));
     ISO_TRY(iso_history_redo(session->history, error));
     iso_stroke_log_redo(&session->log);
     return record_kind(session, ISO_EVENT_REDO, error);
 }
 
-iso_status iso_session_edit(iso_session *session, const iso_event *event, iso_error *error) {
-    if (session->drawing) return iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn");
-    if (event->kind == ISO_EVENT_EDIT) ISO_TRY(iso_brush_check(&event->brush, error));
-    ISO_TRY(check_record(session, event, error));
-    ISO_TRY(iso_stroke_log_add(&session->log, event, NULL, false, error));
-    iso_status status = check_edit(session, error);
-    if (status == ISO_OK) status = draw_list(session, "edit", error);
-    if (status != ISO_OK) {
+iso_status iso_session_begin_edit(iso_session *session, const iso_event *event, iso_error *error) {
+    ISO_TRY(check_idle(session, error));
+    if (!event && session->partial) return no_strokes(error);
+    if (event) {
+        if (event->kind == ISO_EVENT_EDIT) ISO_TRY(iso_brush_check(&event->brush, error));
+        ISO_TRY(check_record(session, event, error));
+        ISO_TRY(iso_stroke_log_add(&session->log, event, NULL, false, error));
+        const iso_status status = check_edit(session, error);
+        if (status != ISO_OK) {
+            iso_stroke_log_remove(&session->log);
+            return status;
+        }
+        session->edit = *event;
+    }
+    session->edit_is_logged = event != NULL;
+    session->editing = true;
+    return ISO_OK;
+}
+
+iso_status iso_session_draw_edit(iso_session *session, const iso_progress *progress, iso_error *error) {
+    session->edit_progress = progress;
+    return session->edit_is_logged ? draw_list(session, progress, error)
+                                   : update_versions(session, 0, progress, error);
+}
+
+/* Writes the name of the step of an edit: its kind and the strokes. */
+static void name_edit(const iso_event *event, char *name, size_t size) {
+    static const char *const kinds[] = {"edit", "delete", "mute", "unmute", "move", "group"};
+    const char *kind = kinds[event->kind - ISO_EVENT_EDIT];
+    if (event->first == event->last)
+        snprintf(name, size, "%s %u", kind, event->first);
+    else
+        snprintf(name, size, "%s %u-%u", kind, event->first, event->last);
+}
+
+iso_status iso_session_end_edit(iso_session *session, bool keep, iso_error *error) {
+    char name[64];
+    session->editing = false;
+    if (!session->edit_is_logged) return ISO_OK;
+    name_edit(&session->edit, name, sizeof name);
+    const iso_status status = keep ? write_list(session, name, error) : ISO_OK;
+    if (!keep || status != ISO_OK) {
         iso_stroke_log_remove(&session->log);
         return status;
     }
-    return end_step(session, event, error);
+    return end_step(session, &session->edit, error);
+}
+
+iso_status iso_session_edit(iso_session *session, const iso_event *event, iso_error *error) {
+    ISO_TRY(iso_session_begin_edit(session, event, error));
+    const iso_status status = iso_session_draw_edit(session, NULL, error);
+    if (status == ISO_OK) return iso_session_end_edit(session, true, error);
+    iso_session_end_edit(session, false, NULL);
+    return status;
+}
+
+unsigned iso_session_stroke_at(const iso_session *session, iso_vec3 place) {
+    if (!session->versions || session->editing) return 0;
+    const iso_affine affine = iso_transform_affine(&session->grid->transform);
+    const iso_vec3 at = iso_affine_point_to_index(&affine, place);
+    return iso_versions_find(session->versions, (const double[3]){at.x, at.y, at.z});
+}
+
+size_t iso_session_stroke_changes(const iso_session *session) {
+    return session->log.changes;
 }
 
 iso_status iso_session_strokes(const iso_session *session, iso_stroke_list *list, iso_error *error) {
@@ -613,7 +690,7 @@ iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_err
     memset(&event, 0, sizeof event);
     event.kind = ISO_EVENT_STAMP;
     event.stamp = stamp;
-    iso_status status = session->drawing ? iso_fail(error, ISO_ERR_USAGE, "a stroke is being drawn") : ISO_OK;
+    iso_status status = check_idle(session, error);
     if (!stamp) status = iso_fail(error, ISO_ERR_USAGE, "there is no stamp");
     if (status == ISO_OK) status = record_event(session, &event, error);
     if (status != ISO_OK) {
@@ -670,66 +747,5 @@ iso_status iso_session_play(iso_session *session, const iso_event *event, iso_ed
     session->samples += event->kind <= ISO_EVENT_SAMPLE || iso_event_is_edit(event->kind);
     iso_status status = play(session, event, stats, error);
     session->bounded = false;
-    return status;
-}
-
-/* ---- a new ball */
-
-static iso_status fill_ball_cell(iso_hgrid *grid, const int at[3], const double centre[3],
-                                 double radius_voxels, iso_error *error) {
-    const double band = (double)grid->band, half = 0.5 * (ISO_BRICK - 1);
-    double square = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        double d = ISO_BRICK * (double)at[axis] + half - centre[axis];
-        square += d * d;
-    }
-    double distance = sqrt(square) - radius_voxels, influence = half * sqrt(3) + band;
-    iso_hgrid_coalesce(grid, at[0], at[1], at[2], distance < 0 ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE);
-    if (fabs(distance) >= influence) return ISO_OK;
-    float *brick;
-    ISO_TRY(iso_hgrid_split(grid, at[0], at[1], at[2], &brick, error));
-    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
-        const int voxel[3] = {i % ISO_BRICK, i / ISO_BRICK % ISO_BRICK, i / (ISO_BRICK * ISO_BRICK)};
-        square = 0;
-        for (int axis = 0; axis < 3; axis++) {
-            double d = ISO_BRICK * (double)at[axis] + voxel[axis] - centre[axis];
-            square += d * d;
-        }
-        distance = sqrt(square) - radius_voxels;
-        brick[i] = (float)(distance > band ? band : distance < -band ? -band : distance);
-    }
-    return ISO_OK;
-}
-
-static iso_status fill_ball(iso_hgrid *grid, const iso_journal_start *start, iso_error *error) {
-    const double centre[3] = {-start->origin.x / start->voxel_size, -start->origin.y / start->voxel_size,
-                              -start->origin.z / start->voxel_size};
-    int at[3];
-    for (at[2] = 0; at[2] < grid->cells[2]; at[2]++)
-        for (at[1] = 0; at[1] < grid->cells[1]; at[1]++)
-            for (at[0] = 0; at[0] < grid->cells[0]; at[0]++)
-                ISO_TRY(fill_ball_cell(grid, at, centre, start->radius / start->voxel_size, error));
-    iso_hgrid_prune(grid);
-    return ISO_OK;
-}
-
-iso_status iso_session_ball(const iso_journal_start *start, iso_hgrid **out, iso_error *error) {
-    if (!(start->voxel_size > 0) || !isfinite(start->voxel_size) || !(start->radius > 0) ||
-        !isfinite(start->radius))
-        return iso_fail(error, ISO_ERR_USAGE, "a ball of %g mm in voxels of %g mm", start->radius,
-                        start->voxel_size);
-    iso_transform transform = iso_transform_identity();
-    const double origin[3] = {start->origin.x, start->origin.y, start->origin.z};
-    for (int axis = 0; axis < 3; axis++) {
-        transform.origin[axis] = origin[axis];
-        transform.spacing[axis] = start->voxel_size;
-    }
-    iso_hgrid *grid;
-    ISO_TRY(iso_hgrid_create(start->dims, 0, &transform, &grid, error));
-    iso_status status = fill_ball(grid, start, error);
-    if (status == ISO_OK)
-        *out = grid;
-    else
-        iso_hgrid_destroy(grid);
     return status;
 }

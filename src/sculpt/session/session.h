@@ -25,6 +25,7 @@ typedef struct iso_session_opts {
                                beside the journal; 0 means 200, < 0 none */
     double cost_factor; /* multiplies iso_limit_cost, which bounds iso_session_play: on a finer grid the same
                            strokes cost more; 0 means 1 */
+    bool edits_aside;   /* iso_session_draw_edit has a pool of its own, as it is called in another thread */
     const iso_progress *progress; /* of resuming; cancelled: ISO_ERR_IO, and the journal is unchanged */
 } iso_session_opts;
 
@@ -63,6 +64,19 @@ iso_status iso_session_redo(iso_session *session, iso_error *error);
  * stroke, a bad brush, or the session began with a checkpoint; also the errors of iso_editor_touch. The
  * field is unchanged then. */
 iso_status iso_session_edit(iso_session *session, const iso_event *event, iso_error *error);
+/* The same in three parts, of which the second takes long: any one thread may call it, which may be another
+ * one if the session has `edits_aside`. Between begin and end the session is not changed by strokes, edits,
+ * undo and redo (ISO_ERR_USAGE), and its field can be read; the list of strokes has the edit already. An edit
+ * that is begun must be ended, with keep = false if drawing it failed or was cancelled (ISO_ERR_IO); nothing
+ * has changed then. Without an event, drawing prepares the versions that an edit needs. */
+iso_status iso_session_begin_edit(iso_session *session, const iso_event *event, iso_error *error);
+iso_status iso_session_draw_edit(iso_session *session, const iso_progress *progress, iso_error *error);
+iso_status iso_session_end_edit(iso_session *session, bool keep, iso_error *error);
+/* The number of the last stroke that changed the surface at a world position, as the strokes were when
+ * versions of them were made last; 0: none did, or there are no versions. */
+unsigned iso_session_stroke_at(const iso_session *session, iso_vec3 place);
+/* Changes whenever the strokes do. */
+size_t iso_session_stroke_changes(const iso_session *session);
 /* Lists the strokes that the field is made of (zero-initialise `list`; iso_stroke_list_free). Its
  * pointers are valid until the session changes. ISO_ERR_USAGE: the session began with a checkpoint;
  * ISO_ERR_NOMEM. */

@@ -64,6 +64,7 @@ iso_status iso_stroke_log_add(iso_stroke_log *log, const iso_event *event, iso_s
     }
     made.stamp = iso_stamp_share(stamp);
     log->numbers += stroke;
+    log->changes++;
     /* before what is undone, which can be redone until a step follows */
     memmove(entry_at(log, log->position + 1), entry_at(log, log->position),
             (log->count - log->position) * sizeof made);
@@ -74,27 +75,32 @@ iso_status iso_stroke_log_add(iso_stroke_log *log, const iso_event *event, iso_s
 }
 
 iso_status iso_stroke_log_sample(iso_stroke_log *log, const iso_sample *sample, iso_error *error) {
+    log->changes++;
     return add_sample(entry_at(log, log->position - 1), sample, error);
 }
 
 void iso_stroke_log_end(iso_stroke_log *log, bool step) {
+    log->changes++;
     entry_at(log, log->position - 1)->step = step;
     if (step) discard_undone(log);
 }
 
 void iso_stroke_log_remove(iso_stroke_log *log) {
+    log->changes++;
     free_entry(entry_at(log, --log->position));
     memmove(entry_at(log, log->position), entry_at(log, log->position + 1),
             (--log->count - log->position) * sizeof(iso_stroke_entry));
 }
 
 void iso_stroke_log_undo(iso_stroke_log *log) {
+    log->changes++;
     while (log->position && !entry_at(log, log->position - 1)->step) log->position--;
     log->position -= log->position > 0;
 }
 
 /* Strokes that changed nothing come back with the step before them. */
 void iso_stroke_log_redo(iso_stroke_log *log) {
+    log->changes++;
     while (log->position < log->count && !entry_at(log, log->position)->step) log->position++;
     log->position += log->position < log->count;
     while (log->position < log->count && !entry_at(log, log->position)->step) log->position++;

@@ -37,6 +37,7 @@ typedef struct iso_stroke_log {
     iso_buffer entries; /* iso_stroke_entry; those from `position` on are undone */
     size_t count, position;
     unsigned numbers; /* number of the last stroke that was begun */
+    size_t changes;   /* of the log so far: lists that were resolved before hold pointers to what is gone */
 } iso_stroke_log;
 
 void iso_stroke_log_free(iso_stroke_log *log);

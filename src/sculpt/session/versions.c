@@ -1,6 +1,7 @@
 /* Keeps the versions of cells by stroke, and draws edited lists of strokes with them. */
 #include "sculpt/session/versions.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "sculpt/brush/dab.h"
@@ -388,14 +389,6 @@ static bool reads_dirty(const iso_versions *v, const drawn *d) {
     return false;
 }
 
-static bool is_same_brush(const iso_brush *a, const iso_brush *b) {
-    return a->tool == b->tool && a->shape == b->shape && a->falloff == b->falloff && a->radius == b->radius &&
-           a->strength == b->strength && a->aspect == b->aspect && a->blend == b->blend &&
-           a->spacing == b->spacing && a->symmetry == b->symmetry && a->mirror.x == b->mirror.x &&
-           a->mirror.y == b->mirror.y && a->mirror.z == b->mirror.z &&
-           a->pressure_radius == b->pressure_radius && a->pressure_strength == b->pressure_strength;
-}
-
 /* An update: the strokes of the new list that are drawn, with the old ones that they keep. */
 typedef struct update {
     const iso_stroke **strokes;
@@ -475,7 +468,7 @@ static iso_status walk(iso_versions *v, update *u, const iso_progress *progress,
         ISO_TRY(iso_progress_tell(progress, "the strokes", (double)i / (double)u->count, error));
         while (kept && v->list[old] != kept) apply(v, v->list[old++], true, false);
         old += kept != NULL;
-        if (kept && is_same_brush(&kept->brush, &u->strokes[i]->brush) && !reads_dirty(v, kept)) {
+        if (kept && iso_brush_is_same(&kept->brush, &u->strokes[i]->brush) && !reads_dirty(v, kept)) {
             apply(v, kept, true, true);
             continue;
         }
@@ -543,6 +536,64 @@ iso_cell_change iso_versions_change(const iso_versions *v, size_t index) {
 
 void iso_versions_change_values(const iso_versions *v, size_t index, void *values) {
     unpack(v, changed_to(v, index), values);
+}
+
+/* The eight voxels around a place: of each its cell's key, its number there, its distance and weight. */
+typedef struct corners {
+    cell_key key[8];
+    int voxel[8];
+    double value[8], weight[8];
+} corners;
+
+/* Takes the distances of the corners that lie in the cell of a version, or else in that of a brick. */
+static bool take_values(const iso_versions *v, const version *at, corners *c) {
+    float brick[ISO_BRICK_VOXELS];
+    bool any = false;
+    for (int k = 0; k < 8; k++) {
+        if (c->key[k] != at->key) continue;
+        if (!any && at->size) unpack(v, at, brick);
+        c->value[k] = at->size                       ? (double)brick[c->voxel[k]]
+                      : at->state == ISO_CELL_INSIDE ? -(double)v->grid->band
+                                                     : (double)v->grid->band;
+        any = true;
+    }
+    return any;
+}
+
+static double interpolate(const corners *c) {
+    double sum = 0;
+    for (int k = 0; k < 8; k++) sum += c->weight[k] * c->value[k];
+    return sum;
+}
+
+unsigned iso_versions_find(const iso_versions *v, const double at[3]) {
+    const double least = 0.05;
+    corners c = {.key = {0}};
+    unsigned found = 0;
+    for (int k = 0; k < 8; k++) {
+        int voxel[3];
+        c.weight[k] = 1;
+        for (int axis = 0; axis < 3; axis++) {
+            const double down = floor(at[axis]), part = at[axis] - down;
+            if (!(down >= 0 && down < v->grid->dims[axis] - 1)) return 0;
+            voxel[axis] = (int)down + (k >> axis & 1);
+            c.weight[k] *= k >> axis & 1 ? part : 1 - part;
+        }
+        c.key[k] = (cell_key)(2 * iso_hgrid_cell_index(v->grid, voxel[0] / ISO_BRICK, voxel[1] / ISO_BRICK,
+                                                       voxel[2] / ISO_BRICK));
+        c.voxel[k] =
+            (voxel[2] % ISO_BRICK * ISO_BRICK + voxel[1] % ISO_BRICK) * ISO_BRICK + voxel[0] % ISO_BRICK;
+        if (v->first[c.key[k]]) take_values(v, v->first[c.key[k]], &c); /* (else no stroke wrote the cell) */
+    }
+    double before = interpolate(&c);
+    for (size_t i = 0; i < v->count; i++) {
+        bool any = false;
+        for (size_t m = 0; m < v->list[i]->count; m++) any |= take_values(v, &v->list[i]->versions[m], &c);
+        const double now = any ? interpolate(&c) : before;
+        if (fabs(now - before) > least) found = v->list[i]->number;
+        before = now;
+    }
+    return found;
 }
 
 iso_versions_stats iso_versions_get_stats(const iso_versions *v) {

@@ -50,6 +50,10 @@ iso_cell_change iso_versions_change(const iso_versions *versions, size_t index);
 /* Writes the values of a change with state 0: a brick, or iso_voxel_bits. */
 void iso_versions_change_values(const iso_versions *versions, size_t index, void *values);
 
+/* Returns the number of the last stroke of the list that moved the surface near a place, given in voxels:
+ * that changed the distance there by more than a twentieth of a voxel. 0: none did. Between updates. */
+unsigned iso_versions_find(const iso_versions *versions, const double at[3]);
+
 iso_versions_stats iso_versions_get_stats(const iso_versions *versions);
 
 #endif

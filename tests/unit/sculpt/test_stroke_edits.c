@@ -1,6 +1,7 @@
 /* Strokes stay editable: after any edit of a past stroke the field and the masks are, bit for bit, those of a
  * fresh session in which the edited list of strokes is drawn; edits are undone and redone as steps, and are
  * in the journal. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -207,6 +208,77 @@ static void refusals_change_nothing(void **state) {
     iso_session_destroy(session);
 }
 
+/* iso_progress.tell: cancels when it has been asked often enough. */
+static int cancel_later(void *context, double fraction) {
+    int *left = context;
+    (void)fraction;
+    return (*left)-- <= 0;
+}
+
+/* An edit in parts: strokes and undo wait for its end; what is cancelled or not kept changes nothing. */
+static void edits_are_made_in_parts(void **state) {
+    (void)state;
+    uint32_t seed = 17;
+    const iso_event event = {.kind = ISO_EVENT_MUTE, .first = 2, .last = 2};
+    const iso_sample sample = {.position = {10, 0, 0}, .normal = {1, 0, 0}, .pressure = 1};
+    const iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = 2};
+    for (int aside = 0; aside < 2; aside++) {
+        iso_session *session =
+            session_open(&(iso_session_opts){.checkpoint_strokes = -1, .edits_aside = aside});
+        for (int i = 0; i < 6; i++) draw(session, &seed, 0);
+        const size_t steps = iso_history_count(iso_session_history(session));
+        session_field before = session_field_of(session);
+        for (int calls = 0; calls < 12; calls++) { /* (the last ones with versions that are complete) */
+            int left = 7 * calls;
+            const iso_progress progress = {.tell = cancel_later, .context = &left};
+            iso_error error = {0};
+            assert_int_equal(iso_session_begin_edit(session, calls % 3 ? &event : NULL, NULL), ISO_OK);
+            assert_int_equal(iso_session_begin_edit(session, &event, NULL), ISO_ERR_USAGE);
+            assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, &error), ISO_ERR_USAGE);
+            assert_string_equal(error.text, "strokes are being edited");
+            assert_int_equal(iso_session_undo(session, NULL), ISO_ERR_USAGE);
+            const iso_status status = iso_session_draw_edit(session, &progress, &error);
+            assert_true(status == ISO_OK || status == ISO_ERR_IO);
+            if (calls == 0) assert_int_equal(status, ISO_ERR_IO);
+            assert_int_equal(iso_session_end_edit(session, false, NULL), ISO_OK);
+            assert_true(session_is(session, &before));
+        }
+        assert_int_equal(iso_history_count(iso_session_history(session)), steps);
+        assert_int_equal(iso_session_edit(session, &event, NULL), ISO_OK);
+        assert_is_fresh(session);
+        assert_int_equal(iso_history_count(iso_session_history(session)), steps + 1);
+        assert_string_equal(iso_history_name(iso_session_history(session), steps), "mute 2");
+        session_field_free(&before);
+        iso_session_destroy(session);
+    }
+}
+
+/* The stroke that moved the surface at a place last is found. */
+static void strokes_are_found(void **state) {
+    (void)state;
+    iso_session *session = open_ball(&LARGE);
+    const iso_vec3 at[3] = {{30, 0, 0}, {30, 3, 0}, {0, 0, 30}};
+    for (int i = 0; i < 3; i++) {
+        const iso_brush brush = {.tool = i == 1 ? ISO_TOOL_CARVE : ISO_TOOL_ADD, .radius = 2};
+        const iso_sample sample = {.position = at[i], .normal = iso_vec3_unit(at[i]), .pressure = 1};
+        assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
+        assert_int_equal(iso_session_end(session, NULL), ISO_OK);
+    }
+    const struct {
+        iso_vec3 place;
+        unsigned number;
+    } cases[] = {{{31.9, -0.4, 0}, 1}, {{28.1, 3, 0}, 2},  {{0, 0, 32}, 3},
+                 {{-30, 0, 0}, 0},     {{0, 1e9, 0}, 0},   {{0, -43.8, 0}, 0},
+                 {{30, 1, 0}, 2},      {{29.9, -3, 0}, 0}, {{NAN, 0, 0}, 0}};
+    assert_int_equal(iso_session_stroke_at(session, cases[0].place), 0); /* there are no versions */
+    assert_int_equal(iso_session_begin_edit(session, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_session_draw_edit(session, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_session_end_edit(session, true, NULL), ISO_OK);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        assert_int_equal(iso_session_stroke_at(session, cases[i].place), cases[i].number);
+    iso_session_destroy(session);
+}
+
 /* What was edited is in the journal, also when checkpoints were made before and after. */
 static void journals_hold_edits(void **state) {
     (void)state;
@@ -244,10 +316,9 @@ static void journals_hold_edits(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(edits_equal_a_fresh_replay),
-        cmocka_unit_test(only_what_is_reached_is_drawn),
-        cmocka_unit_test(refusals_change_nothing),
-        cmocka_unit_test(journals_hold_edits),
+        cmocka_unit_test(edits_equal_a_fresh_replay), cmocka_unit_test(only_what_is_reached_is_drawn),
+        cmocka_unit_test(refusals_change_nothing),    cmocka_unit_test(edits_are_made_in_parts),
+        cmocka_unit_test(strokes_are_found),          cmocka_unit_test(journals_hold_edits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
