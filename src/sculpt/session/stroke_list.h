@@ -8,6 +8,10 @@
 #include "base/memory.h"
 #include "sculpt/session/journal.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* A stroke of the list. Pointers are valid until the log changes. */
 typedef struct iso_stroke {
     unsigned number; /* the strokes of a session are numbered from 1 as they begin, cancelled ones too */
@@ -59,4 +63,7 @@ void iso_stroke_log_redo(iso_stroke_log *log);
  * edit names a stroke that is not in the list; ISO_ERR_NOMEM. */
 iso_status iso_stroke_log_resolve(const iso_stroke_log *log, iso_stroke_list *list, iso_error *error);
 
+#ifdef __cplusplus
+}
+#endif
 #endif
