@@ -358,7 +358,7 @@ static iso_status make_field(isorender_job *job, const color_source *source, int
     const iso_vertex_values *given = &source->vertices;
     iso_vertex_field **field = &job->colorings->fields[thing];
     if (given->count != object->mesh.vertex_count)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: has numbers of %zu vertices: %s has %zu",
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: has numbers of %zu vertices: %s has %zu",
                         source->settings->path, given->count, object->settings->path,
                         object->mesh.vertex_count);
     iso_vertex_field_destroy(*field);

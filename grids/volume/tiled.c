@@ -137,15 +137,25 @@ static void fill_task(void *context, size_t task, int worker) {
     if (status != ISO_OK) iso_first_failure_enter(&f->failure, number, status, &error);
 }
 
-/* The pool, if the limit of memory allows a tile for each of its threads. */
-static iso_pool *affordable_pool(const iso_volume_opts *opts, const iso_tiled *tiled, uint64_t grid_bytes) {
-    const uint64_t limit = iso_format_memory_limit(opts), threads = (uint64_t)iso_pool_threads(opts->pool);
+/* Whether the limit of memory allows a tile for each thread of a pool. */
+static bool is_affordable(const iso_pool *pool, const iso_volume_opts *opts, const iso_tiled *tiled,
+                          uint64_t grid_bytes) {
+    const uint64_t threads = (uint64_t)iso_pool_threads(pool);
     uint64_t bytes;
-    if (__builtin_add_overflow(tile_bytes(tiled), tiled->scratch, &bytes) ||
-        __builtin_mul_overflow(bytes, threads, &bytes) ||
-        __builtin_add_overflow(bytes, opts->mapped ? 0 : grid_bytes, &bytes))
-        return NULL;
-    return bytes <= limit ? opts->pool : NULL;
+    return !__builtin_add_overflow(tile_bytes(tiled), tiled->scratch, &bytes) &&
+           !__builtin_mul_overflow(bytes, threads, &bytes) &&
+           !__builtin_add_overflow(bytes, opts->mapped ? 0 : grid_bytes, &bytes) &&
+           bytes <= iso_format_memory_limit(opts);
+}
+
+/* The pool that reads the tiles; *own, which may be that one, is to be destroyed. */
+static iso_pool *choose_pool(const filling *f, uint64_t grid_bytes, iso_pool **own) {
+    enum { WAITING = 8 };
+    *own = NULL;
+    if (f->tiled->waits && iso_pool_create(WAITING, own, NULL) == ISO_OK &&
+        is_affordable(*own, f->opts, f->tiled, grid_bytes))
+        return *own;
+    return is_affordable(f->opts->pool, f->opts, f->tiled, grid_bytes) ? f->opts->pool : NULL;
 }
 
 static void note_absent(const filling *f, iso_volume_info *info) {
@@ -176,12 +186,15 @@ static iso_status fill_grid(filling *f, iso_rgrid *grid, iso_error *error) {
     const iso_tiled *tiled = f->tiled;
     const uint64_t bytes = tile_bytes(tiled);
     f->target = (target_box){grid->data, grid->stride_y, grid->stride_z, {0, 0, 0}};
-    iso_pool *pool = affordable_pool(f->opts, tiled, iso_format_size(grid->dims, iso_type_size(grid->type)));
+    iso_pool *own, *pool = choose_pool(f, iso_format_size(grid->dims, iso_type_size(grid->type)), &own);
     if (!is_direct(tiled)) {
         f->buffer_bytes = ((size_t)bytes + ISO_ALIGNMENT - 1) / ISO_ALIGNMENT * ISO_ALIGNMENT;
         f->buffers =
             bytes <= SIZE_MAX / 2 ? iso_alloc(f->buffer_bytes * (size_t)iso_pool_threads(pool)) : NULL;
-        if (!f->buffers) return iso_fail_memory(error, f->path);
+        if (!f->buffers) {
+            iso_pool_destroy(own);
+            return iso_fail_memory(error, f->path);
+        }
     }
     if (tiled->next_stored && lacks_tiles(f))
         iso_parallel_for(f->opts->pool, (size_t)tiled->dims[2], fill_slice, f);
@@ -189,6 +202,7 @@ static iso_status fill_grid(filling *f, iso_rgrid *grid, iso_error *error) {
     f->per_task = (f->count - 1) / MOST_TASKS + 1;
     iso_parallel_for(pool, (f->count - 1) / f->per_task + 1, fill_task, f);
     iso_free(f->buffers);
+    iso_pool_destroy(own);
     return iso_first_failure_finish(&f->failure, error);
 }
 

@@ -28,6 +28,8 @@ typedef struct iso_tiled {
      * threads at once. */
     uint64_t (*next_stored)(void *context, uint64_t from, uint64_t end);
     float fill; /* the value (a stored value) of all voxels of tiles that are not in the file */
+    bool
+        waits; /* `read` mostly waits for a server: more tiles are read at a time than there are processors */
     void (*destroy)(void *context);
     void *context;
 } iso_tiled;
@@ -35,10 +37,11 @@ typedef struct iso_tiled {
 /* Destroys the context. */
 void iso_tiled_close(iso_tiled *tiled);
 
-/* Reads the whole volume into the grid that `info` describes, with all threads of opts->pool if there is
- * memory for a tile for each, else with one. Adds a note to `info` if tiles are absent. With opts->mapped
- * the voxels lie in a temporary file (grids/volume/mapping.h). When several tiles cannot be read, the error
- * is that of the first one. Errors of reading; ISO_ERR_IO: opts->progress cancels; ISO_ERR_NOMEM. */
+/* Reads the whole volume into the grid that `info` describes, with all threads of opts->pool (eight of
+ * its own if reading waits) if there is memory for a tile for each, else with one. Adds a note to `info`
+ * if tiles are absent. With opts->mapped the voxels lie in a temporary file (grids/volume/mapping.h).
+ * When several tiles cannot be read, the error is that of the first one. Errors of reading; ISO_ERR_IO:
+ * opts->progress cancels; ISO_ERR_NOMEM. */
 iso_status iso_tiled_read_grid(const char *path, const iso_volume_opts *opts, const iso_tiled *tiled,
                                iso_volume_info *info, iso_grid *grid, iso_error *error);
 

@@ -156,7 +156,7 @@ labels, table, names = nibabel.freesurfer.read_morph_data("in/rh.curv"), nibabel
 expect(list(labels) == [-21, 24, -27, 22, -13, 10] and len(table.darrays[0].data) == 6 and list(names.darrays[1].data) == list(labels), labels)'
 fi
 refuse_values() { isorender_refuses "$1" "$2" --surface in/lh.white --surface-color-by "$3"; } # STATUS TEXT FILE
-refuse_values 2 'in/five.curv: has numbers of 5 vertices: in/lh.white has 6' in/five.curv
+refuse_values 3 'in/five.curv: has numbers of 5 vertices: in/lh.white has 6' in/five.curv
 refuse_values 3 "in/old.curv: not FreeSurfer's numbers of vertices" in/old.curv
 refuse_values 3 'in/wide.annot: not an annotation of FreeSurfer: label 1 of vertex 7' in/wide.annot
 refuse_values 3 'in/below.annot: not an annotation of FreeSurfer: label 1 of vertex -1' in/below.annot

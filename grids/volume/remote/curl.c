@@ -97,7 +97,8 @@ static CURLcode perform(CURL *handle, request *r, const char *kept_mark, long *c
     curl_easy_setopt(handle, CURLOPT_HTTPHEADER, headers);
     curl_easy_setopt(handle, CURLOPT_USERAGENT, "isopoint/" ISO_VERSION);
     curl_easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
-    curl_easy_setopt(handle, CURLOPT_REDIR_PROTOCOLS_STR, "http,https");
+    curl_easy_setopt(handle, CURLOPT_REDIR_PROTOCOLS_STR,
+                     strncmp(r->url, "https", 5) == 0 ? "https" : "http,https");
     curl_easy_setopt(handle, CURLOPT_FOLLOWLOCATION, 1L);
     curl_easy_setopt(handle, CURLOPT_MAXREDIRS, (long)REDIRECTS);
     curl_easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
@@ -125,7 +126,7 @@ static CURLcode perform(CURL *handle, request *r, const char *kept_mark, long *c
 static bool may_succeed(CURLcode result, long code) {
     if (result == CURLE_HTTP_RETURNED_ERROR) return code == 429 || code == 408 || code >= 500;
     return result == CURLE_PARTIAL_FILE || result == CURLE_RECV_ERROR || result == CURLE_SEND_ERROR ||
-           result == CURLE_GOT_NOTHING || result == CURLE_OPERATION_TIMEDOUT || result == CURLE_HTTP2;
+           result == CURLE_GOT_NOTHING || result == CURLE_HTTP2;
 }
 
 /* What went wrong, if anything. */

@@ -479,6 +479,7 @@ static iso_status zarr_open_tiled(const char *path, const iso_volume_opts *opts,
                          .read = read_tile,
                          .next_stored = next_stored,
                          .fill = t->fill,
+                         .waits = opts->remote != NULL,
                          .destroy = destroy_tiles,
                          .context = t};
     for (int i = 0; i < 3; i++) {
