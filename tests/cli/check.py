@@ -4,11 +4,25 @@ import struct
 import sys
 import zlib
 
+CRC32C = []
+for _i in range(256):
+    for _ in range(8):
+        _i = _i >> 1 ^ (0x82f63b78 if _i & 1 else 0)
+    CRC32C.append(_i)
+
 
 def expect(condition, *what):
     if not condition:
         print("not as expected:", *what)
         sys.exit(1)
+
+
+def crc32c(data):
+    """The checksum of strokes, indices and shards (Castagnoli), a number."""
+    crc = 0xffffffff
+    for byte in data:
+        crc = CRC32C[(crc ^ byte) & 255] ^ (crc >> 8)
+    return crc ^ 0xffffffff
 
 
 def volume(path, dims, value, kind="MET_FLOAT", code="f", header=""):

@@ -20,15 +20,6 @@ def draw(name, *arguments):
     return open(name, "rb").read()
 
 
-def crc32c(data):
-    crc = 0xffffffff
-    for byte in data:
-        crc ^= byte
-        for _ in range(8):
-            crc = crc >> 1 ^ (0x82f63b78 if crc & 1 else 0)
-    return crc ^ 0xffffffff
-
-
 index = "in/v.raw.isoindex"
 shutil.copy2("in/a.raw", "in/v.raw")  # as cp -p
 draw("a.png")

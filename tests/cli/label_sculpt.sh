@@ -60,7 +60,7 @@ if __name__ == "__main__":
     head = "ObjectType = Image\nNDims = 3\nDimSize = %d %d %d\nElementSpacing = 1 1 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
     open("in/a.mha", "wb").write((head % n).encode() + bytes(labels))
 P
-cat >in/check.py <<'P'
+cat >in/label_files.py <<'P'
 # What changed between two segmentations: kind of file, before, after, component and number of components.
 import sys; sys.path.insert(0, "in")
 import gzip, json, struct
@@ -101,7 +101,7 @@ done
 isosculpt --open in/four.nii.gz --label 7 --component 1 --headless --output o.nii.gz --quiet && same in/four.nii.gz o.nii.gz || exit 1
 for file in a layers; do
     isosculpt --open in/$file.seg.nrrd --label 'RIGHT*' --headless --output same.seg.nrrd --quiet || exit 1
-    python3 -c 'import sys; sys.path.insert(0, "in"); from check import *; assert bytes_of(sys.argv[1]) == bytes_of(sys.argv[2])' in/$file.seg.nrrd same.seg.nrrd || exit 1
+    python3 -c 'import sys; sys.path.insert(0, "in"); from label_files import *; assert bytes_of(sys.argv[1]) == bytes_of(sys.argv[2])' in/$file.seg.nrrd same.seg.nrrd || exit 1
 done
 cat >in/strokes_of.py <<'P'
 import sys; sys.path.insert(0, "in")
@@ -121,7 +121,7 @@ if __name__ == "__main__":
 P
 python3 in/strokes_of.py || exit 1
 play() { isosculpt --open "$1" --label "$2" --replay in/any.strokes --headless --output "$3" --json=r.json --quiet "${@:4}"; }
-changed='import sys; sys.path.insert(0, "in"); from check import *; from strokes_of import centres
+changed='import sys; sys.path.insert(0, "in"); from label_files import *; from strokes_of import centres
 added, removed, taken = compare(*sys.argv[1:3], 3.0 + 1.0, centres, *map(int, sys.argv[3:5]), report="r.json")
 assert added > 40 and removed > 10 and taken.get("3", 0) > 5 and taken.get("0", 0) > 20, (added, removed, taken)'
 play in/a.nii.gz 7 a.nii.gz && python3 -c "$changed" in/a.nii.gz a.nii.gz 1 0 || exit 1

@@ -1,18 +1,7 @@
 # Writes stroke files with sound checksums: what a person could not have recorded, among it.
 import json
 
-TABLE = []
-for i in range(256):
-    for _ in range(8):
-        i = (i >> 1) ^ (0x82F63B78 if i & 1 else 0)
-    TABLE.append(i)
-
-
-def crc32c(data):
-    crc = 0xFFFFFFFF
-    for byte in data:
-        crc = TABLE[(crc ^ byte) & 255] ^ (crc >> 8)
-    return crc ^ 0xFFFFFFFF
+from check import crc32c
 
 
 def line(members):

@@ -15,15 +15,6 @@ def value(x, y, z):
     return int(500 + 300 * math.sin(x / 9) * math.cos(y / 7) + 150 * math.sin(z / 8 + x / 19))
 
 
-def crc32c(data):
-    crc = 0xffffffff
-    for byte in data:
-        crc ^= byte
-        for _ in range(8):
-            crc = crc >> 1 ^ (0x82f63b78 if crc & 1 else 0)
-    return struct.pack("<I", crc ^ 0xffffffff)
-
-
 def write(path, data):
     os.makedirs(os.path.dirname(path), exist_ok=True)
     with open(path, "wb") as file:
@@ -93,7 +84,7 @@ def array(folder, version, sides=(16, 24, 32), step=1, axes="zyx", coded=True, s
             part = parts.get(inner)
             index += struct.pack("<QQ", len(body), len(part)) if part is not None else b"\xff" * 16
             body += part or b""
-        write(folder + "/c/%d/%d/%d" % at, body + index + crc32c(index))
+        write(folder + "/c/%d/%d/%d" % at, body + index + struct.pack("<I", crc32c(index)))
 
 
 def image(folder, version, levels, unit="micrometer"):

@@ -8,14 +8,6 @@ from check import *
 SIDE, CHUNK = 40, 16
 value = lambda x, y, z, step: max(0, min(255, int(128 + 60 * math.sin(x * step / 6) + 40 * math.cos(y * step / 5) - 2 * abs(z * step - 20))))
 
-def crc32c(data):
-    crc = 0xffffffff
-    for byte in data:
-        crc ^= byte
-        for _ in range(8):
-            crc = crc >> 1 ^ (0x82f63b78 if crc & 1 else 0)
-    return struct.pack("<I", crc ^ 0xffffffff)
-
 def write(path, data):
     os.makedirs(os.path.dirname(path), exist_ok=True)
     open(path, "wb").write(data if isinstance(data, bytes) else json.dumps(data).encode())
@@ -59,7 +51,7 @@ def shards(folder, index_at_start):
             data = packer.compress(zlib.decompress(chunk(place, 1, 0))) + packer.flush()
             index += struct.pack("<QQ", start + len(body), len(data))
             body += data
-        index += crc32c(index)
+        index += struct.pack("<I", crc32c(index))
         write("%s/c/%d/%d/%d" % (folder, *at), index + body if index_at_start else body + index)
 
 image("in/image.zarr", int(sys.argv[1]) if len(sys.argv) > 1 else 0)

@@ -28,6 +28,7 @@ import threading
 sys.dont_write_bytecode = True
 import attacks as attack_kinds  # noqa: E402
 import seeds as seed_files  # noqa: E402
+from seeds import crc32c  # noqa: E402
 
 LIMIT = 64 << 20  # of --max-memory
 SLACK = 64 << 20  # beside it
@@ -42,15 +43,6 @@ PATTERNS = [b"\0", b"\xff", b"\x7f", b"\x80", b"\0\0", b"\xff\xff", b"\xff\x7f",
             b"\xff\xff\xff\x7f", b"\x7f\xff\xff\xff", b"\0\0\0\x80", b"\x80\0\0\0", b"\xff" * 8, b"\xff" * 7 + b"\x7f",
             struct.pack("<f", float("nan")), struct.pack("<f", float("inf")), struct.pack("<f", 1e38), struct.pack("<d", 1e300),
             struct.pack(">f", float("nan")), struct.pack(">d", 1e300)]
-
-
-def crc32c(data):
-    crc = 0xFFFFFFFF
-    for byte in data:
-        crc ^= byte
-        for _ in range(8):
-            crc = crc >> 1 ^ (0x82F63B78 if crc & 1 else 0)
-    return crc ^ 0xFFFFFFFF
 
 
 def repair_strokes(data):
