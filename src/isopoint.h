@@ -170,9 +170,10 @@ typedef struct iso_open_opts {
     void *progress_context;
 } iso_open_opts;
 
-/* Reads a volume: NRRD, NIfTI, DICOM, TIFF, PNG slices, HDF5, OME-Zarr, MetaImage, .vdb, .vti, .vtk, .npy or
- * raw, told by content or name. iso_volume_destroy frees it. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_UNSUPPORTED,
- * ISO_ERR_BRIDGE, ISO_ERR_LIMIT, ISO_ERR_USAGE (no such grid, series, component or level). */
+/* Reads a volume: NRRD, NIfTI, DICOM, TIFF, PNG or JPEG slices, HDF5, OME-Zarr, MetaImage, .vdb, .vti, .vtk,
+ * .npy or raw, told by content or name. iso_volume_destroy frees it. ISO_ERR_IO, ISO_ERR_FORMAT,
+ * ISO_ERR_UNSUPPORTED, ISO_ERR_BRIDGE, ISO_ERR_LIMIT, ISO_ERR_USAGE (no such grid, series, component or
+ * level). */
 ISO_API iso_status iso_volume_open(const char *path, const iso_open_opts *opts, iso_volume **volume,
                                    iso_error *error);
 /* Reads only the header of a file. The errors are those of iso_volume_open. */

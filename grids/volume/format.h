@@ -53,7 +53,7 @@ typedef struct iso_format {
 #define VOLUME(reader) extern const iso_format iso_format_##reader;
 #define FILE_TYPE(name, extensions, magic, handlers) handlers
 #include "base/file_types.inc"
-extern const iso_format iso_format_png, iso_format_raw;
+extern const iso_format iso_format_png, iso_format_jpeg, iso_format_raw;
 
 /* ISO_ERR_FORMAT: "path: holds a KIND, not an image", and how to make one of it. `kind` is as VTK's files
  * have it. */

@@ -8,12 +8,16 @@
 #define ISO_FORMAT_NONE(format, library)                                                                     \
     const iso_format iso_format_##format = {#format, library, NULL, NULL, NULL, NULL}
 
-#if !defined(ISO_HAVE_NIFTI)
+#if !defined(ISO_HAVE_NIFTI) || !defined(ISO_HAVE_JPEG)
 #error "the build has to say which libraries it has"
 #endif
 
 #if !ISO_HAVE_NIFTI
 ISO_FORMAT_NONE(nifti, "libnifti2");
+#endif
+
+#if !ISO_HAVE_JPEG
+ISO_FORMAT_NONE(jpeg, "libjpeg");
 #endif
 
 /* C does not allow an empty translation unit, which this would be when everything is built in. */

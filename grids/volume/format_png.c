@@ -1,8 +1,7 @@
-/* format_png: reads a folder of PNG files, a slice each, in the natural order of their names. Slices follow
- * one another along z; x is to the right and y downwards in an image. Grey of 8 and 16 bits is read as it is;
- * fewer bits are scaled to 8, as image programs show them; a palette of greys is replaced by the greys.
- * Colours and opacities are components. Distances of pixels come from pHYs, if it states metres. Gamma and
- * transparent colours are ignored.
+/* format_png: reads a folder of PNG files, a slice each (grids/volume/image_stack.h). Grey of 8 and 16 bits
+ * is read as it is; fewer bits are scaled to 8, as image programs show them; a palette of greys is replaced
+ * by the greys. Distances of pixels come from pHYs, if it states metres. Gamma and transparent colours are
+ * ignored.
  *
  * libpng reports errors by longjmp: a function that calls setjmp keeps everything that is needed after the
  * jump in a struct of its caller, which also frees it. */
@@ -15,25 +14,14 @@
 
 #include "base/file.h"
 #include "base/memory.h"
-#include "grids/volume/format.h"
-#include "grids/volume/slice_files.h"
-#include "grids/volume/tiled.h"
-
-/* ---- one file ---- */
-
-/* What all slices have in common. */
-typedef struct layout {
-    uint32_t width, height;
-    iso_scalar scalar;
-    int samples; /* values of a pixel */
-} layout;
+#include "grids/volume/image_stack.h"
 
 /* A file that is open for reading, after its header. */
 typedef struct reader {
     png_structp png;
     png_infop info;
     FILE *stream;
-    layout layout;
+    iso_image_layout layout;
     int scaled_bits;   /* of a grey whose values are scaled to 8 bits, else 0 */
     int channels;      /* of a pixel as libpng returns it: three for one sample from a palette of greys */
     size_t row_bytes;  /* of a row as libpng returns it */
@@ -96,10 +84,10 @@ static bool is_grey(const png_color *palette, int count) {
 /* Sets the layout, and the conversions that lead to it. */
 static void choose_conversions(reader *r) {
     const int type = png_get_color_type(r->png, r->info), depth = png_get_bit_depth(r->png, r->info);
-    r->layout = (layout){.width = png_get_image_width(r->png, r->info),
-                         .height = png_get_image_height(r->png, r->info),
-                         .scalar = depth == 16 ? ISO_SCALAR_UINT16 : ISO_SCALAR_UINT8,
-                         .samples = png_get_channels(r->png, r->info)};
+    r->layout = (iso_image_layout){.width = png_get_image_width(r->png, r->info),
+                                   .height = png_get_image_height(r->png, r->info),
+                                   .scalar = depth == 16 ? ISO_SCALAR_UINT16 : ISO_SCALAR_UINT8,
+                                   .samples = png_get_channels(r->png, r->info)};
     if (type == PNG_COLOR_TYPE_PALETTE) {
         png_colorp palette = NULL;
         int count = 0;
@@ -171,87 +159,6 @@ static uint64_t scratch_bytes(const reader *r) {
     return row_buffer_bytes(r) + 2 * (uint64_t)r->row_bytes + LIBRARY_BYTES;
 }
 
-/* ---- the stack ---- */
-
-typedef struct png_stack {
-    iso_slice_files files;
-    layout layout;
-    int scaled_bits;   /* of the first slice */
-    double spacing[2]; /* of the first slice */
-    uint64_t scratch;  /* bytes that decoding a slice takes at most */
-    int component;     /* that is read */
-} png_stack;
-
-static bool is_same(const layout *a, const layout *b) {
-    return a->width == b->width && a->height == b->height && a->scalar == b->scalar &&
-           a->samples == b->samples;
-}
-
-static iso_status check_slice(const png_stack *stack, uint32_t number, const layout *slice,
-                              iso_error *error) {
-    const layout *first = &stack->layout;
-    if (is_same(slice, first)) return ISO_OK;
-    return iso_fail(error, ISO_ERR_FORMAT,
-                    "%s: is %u x %u %s with %d sample(s), but the first slice (%s) is %u x %u %s with %d",
-                    stack->files.paths[number], slice->width, slice->height, iso_scalar_name(slice->scalar),
-                    slice->samples, stack->files.paths[0], first->width, first->height,
-                    iso_scalar_name(first->scalar), first->samples);
-}
-
-static iso_status read_headers(png_stack *stack, iso_error *error) {
-    for (uint32_t i = 0; i < stack->files.count; i++) {
-        reader r;
-        ISO_TRY(open_png(stack->files.paths[i], &r, error));
-        if (i == 0) {
-            stack->layout = r.layout;
-            stack->scaled_bits = r.scaled_bits;
-            memcpy(stack->spacing, r.spacing, sizeof r.spacing);
-        }
-        if (scratch_bytes(&r) > stack->scratch) stack->scratch = scratch_bytes(&r);
-        close_png(&r);
-        ISO_TRY(check_slice(stack, i, &r.layout, error));
-    }
-    return ISO_OK;
-}
-
-/* Lists the slices and reads their headers. iso_slice_files_free when done, also after an error. */
-static iso_status open_stack(const char *path, const iso_volume_opts *opts, png_stack *stack,
-                             iso_error *error) {
-    *stack = (png_stack){0};
-    ISO_TRY(iso_slice_files_list(path, ISO_SLICES_PNG, &stack->files, error));
-    for (uint32_t i = 0; i < stack->files.count; i++) iso_file_set_read(opts->files, stack->files.paths[i]);
-    return read_headers(stack, error);
-}
-
-static iso_status describe(const char *path, const iso_volume_opts *opts, png_stack *stack,
-                           iso_volume_info *info, iso_error *error) {
-    const layout *l = &stack->layout;
-    ISO_TRY(iso_format_dims(path, (const uint64_t[3]){l->width, l->height, stack->files.count}, info, error));
-    ISO_TRY(iso_format_component(path, opts, l->samples, info, error));
-    stack->component = info->component;
-    info->type = iso_scalar_stored_type(l->scalar);
-    snprintf(info->file_type, sizeof info->file_type, "%s", iso_scalar_name(l->scalar));
-    if (stack->scaled_bits)
-        iso_volume_note(info, "values of %d bit%s are scaled to 0 .. 255", stack->scaled_bits,
-                        stack->scaled_bits == 1 ? "" : "s");
-    const double stated[3] = {stack->spacing[0], stack->spacing[1], 0};
-    iso_slice_files_set_spacing(stated, opts, info);
-    info->bytes = iso_format_size(info->dims, iso_type_size(info->type));
-    if (__builtin_add_overflow(info->bytes, stack->scratch, &info->read_bytes)) info->read_bytes = UINT64_MAX;
-    return ISO_OK;
-}
-
-static iso_status png_info_of(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
-                              iso_error *error) {
-    png_stack stack;
-    iso_status status = open_stack(path, opts, &stack, error);
-    if (status == ISO_OK) status = describe(path, opts, &stack, info, error);
-    iso_slice_files_free(&stack.files);
-    return status;
-}
-
-/* ---- values: a slice is a tile ---- */
-
 /* Where a slice goes. */
 typedef struct target {
     iso_type type;
@@ -284,12 +191,25 @@ static bool read_rows(reader *r, const target *t) {
     return true;
 }
 
-static iso_status decode(const png_stack *stack, const char *path, reader *r, void *values,
-                         iso_error *error) {
-    if (!is_same(&r->layout, &stack->layout) || scratch_bytes(r) > stack->scratch)
-        return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
+static iso_image_header header_of(const reader *r) {
+    iso_image_header header = {r->layout, {r->spacing[0], r->spacing[1]}, scratch_bytes(r), ""};
+    if (r->scaled_bits)
+        snprintf(header.note, sizeof header.note, "values of %d bit%s are scaled to 0 .. 255", r->scaled_bits,
+                 r->scaled_bits == 1 ? "" : "s");
+    return header;
+}
+
+static iso_status read_png_header(const char *path, iso_image_header *header, iso_error *error) {
+    reader r;
+    ISO_TRY(open_png(path, &r, error));
+    *header = header_of(&r);
+    close_png(&r);
+    return ISO_OK;
+}
+
+static iso_status decode_rows(const char *path, reader *r, int component, void *values, iso_error *error) {
     const target t = {.type = iso_scalar_stored_type(r->layout.scalar),
-                      .component = stack->component,
+                      .component = component,
                       .rows = iso_alloc((size_t)row_buffer_bytes(r)),
                       .values = values};
     if (!t.rows) return iso_fail_memory(error, path);
@@ -298,50 +218,27 @@ static iso_status decode(const png_stack *stack, const char *path, reader *r, vo
     return status;
 }
 
-static iso_status read_slice(void *context, const int index[3], void *values, iso_error *error) {
-    const png_stack *stack = context;
-    const char *path = stack->files.paths[index[2]];
+static iso_status decode_png(const char *path, const iso_image_layout *expected, uint64_t scratch,
+                             int component, void *values, iso_error *error) {
     reader r;
     ISO_TRY(open_png(path, &r, error));
-    const iso_status status = decode(stack, path, &r, values, error);
+    const iso_image_header now = header_of(&r);
+    iso_status status = iso_image_check_unchanged(path, &now, expected, scratch, error);
+    if (status == ISO_OK) status = decode_rows(path, &r, component, values, error);
     close_png(&r);
     return status;
 }
 
-static void destroy_stack(void *context) {
-    png_stack *stack = context;
-    iso_slice_files_free(&stack->files);
-    free(stack);
-}
+static const iso_image_codec codec = {ISO_SLICES_PNG, read_png_header, decode_png};
 
-/* Reads the headers again. A slice is decoded as a whole, also when the volume stays in the files: the limit
- * of memory must allow one. */
-static iso_status prepare_tiles(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
-                                png_stack *stack, iso_tiled *tiled, iso_error *error) {
-    iso_volume_info now = {.components = 1, .scale = 1, .transform = iso_transform_identity()};
-    ISO_TRY(open_stack(path, opts, stack, error));
-    ISO_TRY(describe(path, opts, stack, &now, error));
-    if (now.components != info->components || now.read_bytes > info->read_bytes)
-        return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
-    *tiled = (iso_tiled){.dims = {now.dims[0], now.dims[1], now.dims[2]},
-                         .tile = {now.dims[0], now.dims[1], 1},
-                         .type = now.type,
-                         .scratch = stack->scratch,
-                         .read = read_slice,
-                         .destroy = destroy_stack,
-                         .context = stack};
-    uint64_t bytes = iso_format_size(tiled->tile, iso_type_size(now.type));
-    if (__builtin_add_overflow(bytes, stack->scratch, &bytes)) bytes = UINT64_MAX;
-    return iso_format_check_memory(path, opts, bytes, "a slice", error);
+static iso_status png_info_of(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
+                              iso_error *error) {
+    return iso_image_stack_info(&codec, path, opts, info, error);
 }
 
 static iso_status png_open_tiled(const char *path, const iso_volume_opts *opts, const iso_volume_info *info,
                                  iso_tiled *tiled, iso_error *error) {
-    png_stack *stack = calloc(1, sizeof *stack);
-    if (!stack) return iso_fail_memory(error, path);
-    const iso_status status = prepare_tiles(path, opts, info, stack, tiled, error);
-    if (status != ISO_OK) destroy_stack(stack);
-    return status;
+    return iso_image_stack_open(&codec, path, opts, info, tiled, error);
 }
 
 const iso_format iso_format_png = {

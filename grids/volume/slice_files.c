@@ -12,8 +12,8 @@
 #include "base/memory.h"
 
 static bool is_slice_name(const char *name, iso_slice_kind kind) {
-    return name[0] != '.' && iso_file_type_of_name(name, ISO_WRITES_IMAGE) ==
-                                 (kind == ISO_SLICES_PNG ? ISO_FILE_png : ISO_FILE_tiff);
+    static const iso_file_type types[] = {ISO_FILE_tiff, ISO_FILE_png, ISO_FILE_jpeg};
+    return name[0] != '.' && iso_file_type_of_name(name, ISO_WRITES_IMAGE) == types[kind];
 }
 
 bool iso_slice_files_exist(const char *folder, iso_slice_kind kind) {
@@ -34,6 +34,10 @@ static int pngs_only(const struct dirent *entry) {
     return is_slice_name(entry->d_name, ISO_SLICES_PNG);
 }
 
+static int jpegs_only(const struct dirent *entry) {
+    return is_slice_name(entry->d_name, ISO_SLICES_JPEG);
+}
+
 /* Numbers within names are compared by their values: slice_2 before slice_10. */
 static int natural_order(const struct dirent **a, const struct dirent **b) {
     return strverscmp((*a)->d_name, (*b)->d_name);
@@ -41,9 +45,9 @@ static int natural_order(const struct dirent **a, const struct dirent **b) {
 
 static iso_status list_folder(const char *path, iso_slice_kind kind, iso_slice_files *files,
                               iso_error *error) {
+    static int (*const filters[])(const struct dirent *) = {tiffs_only, pngs_only, jpegs_only};
     struct dirent **entries = NULL;
-    const int count =
-        scandir(path, &entries, kind == ISO_SLICES_TIFF ? tiffs_only : pngs_only, natural_order);
+    const int count = scandir(path, &entries, filters[kind], natural_order);
     if (count < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     iso_status status = ISO_OK;
     char **paths = files->paths = calloc((size_t)count + 1, sizeof *paths);

@@ -1,5 +1,5 @@
-/* slice_files: volumes in a folder with a file for each slice, as stacks of TIFF or PNG images are: which
- * files are the slices, and how far apart voxels are when files do not state it. */
+/* slice_files: volumes in a folder with a file for each slice, as stacks of TIFF, PNG or JPEG images are:
+ * which files are the slices, and how far apart voxels are when files do not state it. */
 #ifndef ISO_GRIDS_VOLUME_SLICE_FILES_H
 #define ISO_GRIDS_VOLUME_SLICE_FILES_H
 
@@ -8,10 +8,10 @@
 
 #include "grids/volume/volume.h"
 
-typedef enum iso_slice_kind { ISO_SLICES_TIFF, ISO_SLICES_PNG } iso_slice_kind;
+typedef enum iso_slice_kind { ISO_SLICES_TIFF, ISO_SLICES_PNG, ISO_SLICES_JPEG } iso_slice_kind;
 
-/* Whether a folder has a file whose name is that of such a slice: it ends in .tif, .tiff or .png, in either
- * case, and does not begin with a dot. False also if the folder cannot be read. */
+/* Whether a folder has a file whose name is that of such a slice: it has an extension of that kind, in
+ * either case, and does not begin with a dot. False also if the folder cannot be read. */
 bool iso_slice_files_exist(const char *folder, iso_slice_kind kind);
 
 typedef struct iso_slice_files {

@@ -177,11 +177,11 @@ static iso_status guess_raw(const char *path, uint64_t bytes, request *r, const 
         (unsigned long long)wanted);
 }
 
-/* Whether a folder is a stack of PNG slices. One that has DICOM images, also in its subfolders, is none: such
- * folders often have pictures beside the images. */
-static bool is_png_stack(const char *path) {
+/* Whether a folder is a stack of such slices, PNG or JPEG. One that has DICOM images, also in its subfolders,
+ * is none: such folders often have pictures beside the images. */
+static bool is_image_stack(const char *path, iso_slice_kind kind) {
     iso_dicom_folder folder = {0};
-    if (!iso_slice_files_exist(path, ISO_SLICES_PNG)) return false;
+    if (!iso_slice_files_exist(path, kind)) return false;
     if (iso_dicom_folder_read(path, true, &folder, NULL) != ISO_OK) return true;
     const bool has_images = folder.count > 0;
     iso_dicom_folder_free(&folder);
@@ -217,9 +217,7 @@ static const struct {
     const char *begins, *advice;
 } confused[] = {
     {"\x89PNG\r\n\x1a\n", "is one picture: a volume in PNG is a folder with a file for each slice"},
-    {"\xff\xd8\xff",
-     "is a picture in JPEG, which is not read as a slice of a volume: a folder of them becomes one of PNG by "
-     "mogrify -format png -path slices *.jpg"},
+    {"\xff\xd8\xff", "is one picture: a volume in JPEG is a folder with a file for each slice"},
     {"ASTM-E57",
      "is a scan in E57, which is not read: pdal translate scan.e57 scan.las, or CloudCompare, converts it"},
     {"CDF\1", "is NetCDF of version 3: nccopy -k netCDF-4 makes a file of it that is read"},
@@ -263,8 +261,8 @@ static iso_status fail_unknown(const char *path, const head *h, iso_error *error
     iso_file_type_extensions(ISO_HOLDS_MESH | ISO_HOLDS_LINES | ISO_HOLDS_GLYPHS, ISO_HOLDS_VOLUME, "and",
                              others, sizeof others);
     return iso_fail(error, ISO_ERR_FORMAT,
-                    "%s: not a volume that can be read: it reads %s, folders of PNG slices, Zarr and DICOM "
-                    "folders, and raw data with --raw; points and shapes are %s",
+                    "%s: not a volume that can be read: it reads %s, folders of PNG or JPEG slices, Zarr and "
+                    "DICOM folders, and raw data with --raw; points and shapes are %s",
                     path, volumes, others);
 }
 
@@ -289,7 +287,8 @@ static iso_status find_format(const char *path, request *r, const iso_format **f
     if (S_ISDIR(status.st_mode)) {
         *format = has_zarr(path)                                 ? &format_zarr
                   : iso_slice_files_exist(path, ISO_SLICES_TIFF) ? &iso_format_tiff
-                  : is_png_stack(path)                           ? &iso_format_png
+                  : is_image_stack(path, ISO_SLICES_PNG)         ? &iso_format_png
+                  : is_image_stack(path, ISO_SLICES_JPEG)        ? &iso_format_jpeg
                                                                  : &iso_format_dicom;
         if (r->opts.raw) return iso_fail(error, ISO_ERR_IO, "%s: is a folder, not a raw file", path);
         return ISO_OK;

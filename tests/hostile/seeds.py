@@ -415,6 +415,11 @@ def make(programs, source, folder):
                           ["--headless", "-o", "out.ply", "--replay"]))
     png = written(programs, folder, "i.png", "isorender", "scene:sphere:16", "--resolution", "32x32", "-o")
     seeds.append(Seed("isocompare png", {"a.png": png, "b.png": png}, "isocompare images", []))
+    try:
+        jpeg = written(programs, folder, "i.jpg", "isorender", "scene:sphere:16", "--resolution", "20x17", "-o")
+        seeds.append(Seed("isorender jpeg-folder", {"a/%d.jpg" % z: jpeg for z in range(3)}, "isorender", picture))
+    except subprocess.CalledProcessError:
+        pass  # built without libjpeg
     glass = "isorender --scene sphere:16 --ior 1.5 --environment"
     seeds.append(Seed("isorender environment", {"a.png": png}, glass, picture))
     light = os.path.join(folder, "light.exr")
