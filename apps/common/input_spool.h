@@ -1,5 +1,5 @@
-/* input_spool: copies an input that can be read only once (standard input, a FIFO) to a temporary file, which
- * readers can open several times and seek in.
+/* input_spool: copies an input that can be read only once (standard input, a FIFO), or is a file on a web
+ * server, to a temporary file, which readers can open several times and seek in.
  *
  * The file is in TMPDIR (/tmp) and has no name, so that it vanishes with the program. Readers open it by the
  * path in the spool, which leads to the open descriptor (/proc/self/fd/N). The first bytes are checked before
@@ -35,13 +35,13 @@ typedef struct iso_spool_opts {
     bool points;                   /* also accept a .ply file */
 } iso_spool_opts;
 
-/* Whether the input can be read only once: "-" (standard input) or the name of a FIFO. */
+/* Whether the input must be copied: "-" (standard input), the name of a FIFO, or the URL of a file. */
 bool iso_spool_needed(const char *path);
 
 /* Copies `path`, for which iso_spool_needed is true; waits for its writer. ISO_ERR_IO (it cannot be read, or
  * is empty), ISO_ERR_FORMAT (no volume), ISO_ERR_LIMIT (header or input exceed the memory limit),
- * ISO_ERR_WRITE (no room in TMPDIR, which the message names; other messages name the input). iso_spool_close,
- * also after an error. */
+ * ISO_ERR_UNSUPPORTED (built without libcurl), ISO_ERR_WRITE (no room in TMPDIR, which the message names;
+ * other messages name the input). iso_spool_close, also after an error. */
 iso_status iso_spool_open(const char *path, const iso_spool_opts *opts, iso_spool *spool, iso_error *error);
 
 /* Removes the copy. Safe on a zeroed spool. */

@@ -26,7 +26,7 @@ extern "C" {
 #endif
 
 /* Increase this if a type that modules share with the library changes between two releases. */
-#define ISO_MODULE_ABI 11
+#define ISO_MODULE_ABI 12
 
 /* Writes an hgrid to `stream`, as iso_level_set_write_vdb; `path` is for messages. */
 typedef iso_status iso_level_set_writer(FILE *stream, const char *path, const iso_hgrid *grid,

@@ -266,14 +266,31 @@ static iso_status fail_unknown(const char *path, const head *h, iso_error *error
                     path, volumes, others);
 }
 
+bool iso_volume_is_remote_file(const char *path) {
+    char name[PATH_MAX];
+    const size_t length = strcspn(path, "?#");
+    return iso_is_url(path) && snprintf(name, sizeof name, "%.*s", (int)length, path) < PATH_MAX &&
+           iso_file_type_of_name(name, ~0u) != ISO_FILE_UNKNOWN;
+}
+
+static iso_status load_remote(const char *url, const iso_module **module, iso_error *error) {
+    return iso_module_load(url, "remote", "URL", module, error);
+}
+
+iso_status iso_volume_copy_remote(const char *url, FILE *stream, iso_error *error) {
+    const iso_module *module;
+    ISO_TRY(load_remote(url, &module, error));
+    return module->remote->copy(url, stream, error);
+}
+
 /* A path on a server: an array or image of Zarr, or N5. */
 static iso_status find_remote(const char *path, request *r, const iso_format **format, iso_error *error) {
     const iso_module *module;
-    if (r->opts.raw || iso_file_type_of_name(path, ~0u) != ISO_FILE_UNKNOWN)
+    if (r->opts.raw || iso_volume_is_remote_file(path))
         return iso_fail(error, ISO_ERR_UNSUPPORTED,
-                        "%s: of what is on servers, only Zarr and N5 are read: copy the file here (curl -O)",
+                        "%s: of what is on servers, only Zarr and N5 are read here: copy the file (curl -O)",
                         path);
-    ISO_TRY(iso_module_load(path, "remote", "URL", &module, error));
+    ISO_TRY(load_remote(path, &module, error));
     r->opts.remote = module->remote;
     *format = &format_zarr;
     return ISO_OK;

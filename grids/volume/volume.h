@@ -23,6 +23,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "base/file_set.h"
 #include "base/parallel.h"
@@ -145,6 +146,13 @@ iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, i
 /* The format, as in iso_volume_info, of a file that begins with these bytes, of which 1024 are enough. NULL:
  * not recognised, as raw files and formats that only the name tells. */
 const char *iso_volume_format(const void *bytes, size_t count);
+
+/* Whether a path is the URL of a file on a web server: its name, before any '?', ends as names of files do.
+ * It is to be copied before it is read. Other URLs are those of Zarr and N5, of which parts are read. */
+bool iso_volume_is_remote_file(const char *path);
+/* Writes such a file to `stream` as it comes. ISO_ERR_IO: no server, its refusal, or it broke off;
+ * ISO_ERR_WRITE: the stream failed; ISO_ERR_UNSUPPORTED: the module is not installed. */
+iso_status iso_volume_copy_remote(const char *url, FILE *stream, iso_error *error);
 
 /* Whether files of this format need not hold all voxels: those in tiles that are absent have one value. */
 bool iso_volume_may_be_sparse(const iso_volume_info *info);

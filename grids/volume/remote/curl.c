@@ -16,9 +16,10 @@ typedef struct request {
     const char *url;
     const iso_remote_part *part;
     iso_buffer *bytes;
+    FILE *stream; /* instead of `bytes` and `part` */
     size_t count;
     char mark[256]; /* the ETag of the reply */
-    bool too_long, out_of_memory;
+    bool too_long, out_of_memory, stream_failed;
 } request;
 
 /* ---- handles */
@@ -55,6 +56,11 @@ static void give_handle(CURL *handle) {
 static size_t take_bytes(char *bytes, size_t one, size_t count, void *context) {
     request *r = context;
     (void)one;
+    if (r->stream) {
+        r->stream_failed = fwrite(bytes, 1, count, r->stream) != count;
+        r->count += count;
+        return r->stream_failed ? 0 : count;
+    }
     r->too_long = count > r->part->size - r->count;
     r->out_of_memory =
         !r->too_long && iso_buffer_reserve(r->bytes, r->count + count + 1, r->count, NULL) != ISO_OK;
@@ -110,12 +116,13 @@ static CURLcode perform(CURL *handle, request *r, const char *kept_mark, long *c
     curl_easy_setopt(handle, CURLOPT_WRITEDATA, r);
     curl_easy_setopt(handle, CURLOPT_HEADERFUNCTION, take_header);
     curl_easy_setopt(handle, CURLOPT_HEADERDATA, r);
-    if (r->part->what == ISO_REMOTE_BYTES)
+    const bool in_parts = r->part && r->part->what >= ISO_REMOTE_BYTES;
+    if (in_parts && r->part->what == ISO_REMOTE_BYTES)
         snprintf(range, sizeof range, "%llu-%llu", (unsigned long long)r->part->offset,
                  (unsigned long long)(r->part->offset + r->part->size - 1));
-    else
+    else if (in_parts)
         snprintf(range, sizeof range, "-%llu", (unsigned long long)r->part->size);
-    if (r->part->what >= ISO_REMOTE_BYTES) curl_easy_setopt(handle, CURLOPT_RANGE, range);
+    if (in_parts) curl_easy_setopt(handle, CURLOPT_RANGE, range);
     const CURLcode result = curl_easy_perform(handle);
     curl_easy_getinfo(handle, CURLINFO_RESPONSE_CODE, code);
     curl_slist_free_all(headers);
@@ -132,7 +139,7 @@ static bool may_succeed(CURLcode result, long code) {
 /* What went wrong, if anything. */
 static iso_status judge(const request *r, CURLcode result, long code, iso_error *error) {
     if (r->out_of_memory) return iso_fail_memory(error, r->url);
-    const bool in_parts = r->part->what >= ISO_REMOTE_BYTES;
+    const bool in_parts = r->part && r->part->what >= ISO_REMOTE_BYTES;
     if (in_parts && code == 200)
         return iso_fail(error, ISO_ERR_IO, "%s: its server does not send parts of files: copy it here",
                         r->url);
@@ -149,17 +156,16 @@ static iso_status judge(const request *r, CURLcode result, long code, iso_error 
     return ISO_OK;
 }
 
-static iso_status ask(CURL *handle, request *r, const char *kept_mark, long *code, iso_error *error) {
+/* Makes a request, again if that may help; what has gone to a stream cannot come again. */
+static CURLcode ask(CURL *handle, request *r, const char *kept_mark, long *code) {
     CURLcode result = CURLE_OK;
     for (int i = 0; i < TRIES; i++) {
         const struct timespec pause = {i > 2, i > 2 ? 0 : 125000000L << i}; /* .25, .5 and 1 s */
         if (i > 0) nanosleep(&pause, NULL);
         result = perform(handle, r, kept_mark, code);
-        if (!may_succeed(result, *code)) break;
+        if (!may_succeed(result, *code) || (r->stream && r->count > 0)) break;
     }
-    const bool missing =
-        *code == 404 || *code == 410 || (*code == 403 && r->part->what == ISO_REMOTE_METADATA);
-    return missing || *code == 304 ? ISO_OK : judge(r, result, *code, error);
+    return result;
 }
 
 static iso_status remote_read(const char *url, const iso_remote_part *part, iso_buffer *bytes, size_t *count,
@@ -170,9 +176,10 @@ static iso_status remote_read(const char *url, const iso_remote_part *part, iso_
     CURL *handle = take_handle();
     if (!handle) return iso_fail_memory(error, url);
     if (part->what != ISO_REMOTE_METADATA) iso_remote_cache_find(url, part, &kept);
-    const iso_status status = ask(handle, &r, kept.mark, &code, error);
+    const CURLcode result = ask(handle, &r, kept.mark, &code);
     give_handle(handle);
-    *absent = status == ISO_OK && code >= 400;
+    *absent = code == 404 || code == 410 || (code == 403 && part->what == ISO_REMOTE_METADATA);
+    const iso_status status = *absent || code == 304 ? ISO_OK : judge(&r, result, code, error);
     *count = r.count;
     if (status == ISO_OK && code == 304) { /* as it is in the cache */
         iso_buffer_free(bytes);
@@ -189,7 +196,19 @@ static iso_status remote_read(const char *url, const iso_remote_part *part, iso_
     return status;
 }
 
-static const iso_remote remote = {remote_read};
+static iso_status remote_copy(const char *url, FILE *stream, iso_error *error) {
+    request r = {.url = url, .stream = stream};
+    long code;
+    CURL *handle = take_handle();
+    if (!handle) return iso_fail_memory(error, url);
+    const CURLcode result = ask(handle, &r, "", &code);
+    give_handle(handle);
+    if (r.stream_failed || (result == CURLE_OK && fflush(stream) != 0))
+        return iso_fail(error, ISO_ERR_WRITE, "%s: cannot be copied", url);
+    return judge(&r, result, code, error);
+}
+
+static const iso_remote remote = {remote_read, remote_copy};
 
 ISO_MODULE_EXTERN const iso_module iso_module_table;
 const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, NULL, NULL, NULL, NULL, &remote};

@@ -5,6 +5,7 @@
 #ifndef ISO_GRIDS_VOLUME_REMOTE_REMOTE_H
 #define ISO_GRIDS_VOLUME_REMOTE_REMOTE_H
 
+#include <stdio.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -32,6 +33,9 @@ typedef struct iso_remote {
      * ISO_ERR_NOMEM. */
     iso_status (*read)(const char *url, const iso_remote_part *part, iso_buffer *bytes, size_t *count,
                        bool *absent, iso_error *error);
+    /* Writes a whole file to `stream` as it comes. Asks again as long as nothing has come. ISO_ERR_IO: no
+     * server, its refusal, or it broke off; ISO_ERR_WRITE: the stream failed. */
+    iso_status (*copy)(const char *url, FILE *stream, iso_error *error);
 } iso_remote;
 
 /* The cache (remote/cache.c). An entry is a file with the server's mark of what it has sent, its ETag. */

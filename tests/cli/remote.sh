@@ -1,5 +1,6 @@
 # Zarr and OME-Zarr on a web server give the picture of the same folder, also where the server is slow or busy or breaks off; what
-# was read is kept, and read again only if it has changed; of an image of 1.1 TB little is asked, and nothing beside it.
+# was read is kept, and read again only if it has changed; of an image of 1.1 TB little is asked, and nothing beside it. A single file is
+# copied, and gives the picture of the file.
 isorender http://127.0.0.1:9/x.zarr --info 2>&1 | grep -q 'not installed' && { echo "built without libcurl"; exit 77; }
 cat >in/make.py <<'P'
 import json, math, os
@@ -58,7 +59,13 @@ image("in/image.zarr", int(sys.argv[1]) if len(sys.argv) > 1 else 0)
 if len(sys.argv) == 1:
     shards("in/end.zarr", False)
     shards("in/start.zarr", True)
+    side = 110 # more than a block of the copy
+    voxels = b"".join(bytes(value(x, y, z, .4) for x in range(side)) for z in range(side) for y in range(side))
+    write("in/v.nrrd", b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: %d %d %d\nencoding: raw\n\n" % (side, side, side) + voxels)
+    write("in/v.raw", voxels)
+    write("in/page.nrrd", b"<html>" + b" " * 5000)
 P
+isorender scene:torus:24 --no-image --points in/cloud.ply --quiet
 python3 in/make.py
 echo >in/.behaviour
 web=$(dirname "$(python3 -c 'import check; print(check.__file__)')")/web_server.py
@@ -102,6 +109,7 @@ for behaviour in busy short wait=.05; do
     url=http://127.0.0.1:$(cat web.port)
     same image.zarr
     same start.zarr
+    [ $behaviour = short ] || same v.nrrd
 done
 
 # an image of 1.1 TB: the level that fits, and no more
@@ -122,10 +130,24 @@ ISO_REMOTE_CACHE=0 isorender "$url/image.zarr" c.png --isovalue 120 --resolution
 ISO_REMOTE_CACHE=1 isorender "$url/huge" c.png --isovalue 128 --level 6 --resolution 80x80 --quiet
 [ "$(du -sk kept | cut -f1)" -le 1100 ]
 
+# single files
+points() { isorender "$1/cloud.ply" "$2" --resolution 80x80 --quiet --json="$2.json"; }
+same v.nrrd
+[ "$(cat web.log)" = "/v.nrrd 200 $(stat -c %s in/v.nrrd)" ]
+same v.raw --raw 110x110x110:uint8
+points in a.png
+points "$url" b.png
+python3 -c 'from check import *
+expect(report("a.png.json")["image"]["hash"] == report("b.png.json")["image"]["hash"], "points")'
+isorender "$url/v.nrrd" --info | grep -q "voxels      110 x 110 x 110, uint8"
+isorender_refuses 3 "$url/w.nrrd?token=1: cannot be read: the server answers 404" "$url/w.nrrd?token=1"
+isorender_refuses 3 "$url/page.nrrd: its first bytes are not those of a volume that can be read: copy it here (curl -O)" "$url/page.nrrd"
+isorender_refuses 3 "$url/v.nrrd: of what is on servers, only Zarr and N5 are read here" in/v.nrrd --isovalue 120 --volume "$url/v.nrrd"
+
 isorender_refuses 3 "$url/none: holds no" "$url/none"
-isorender_refuses 3 "$url/v.nii.gz: of what is on servers, only Zarr and N5 are read" "$url/v.nii.gz"
 echo broken >in/.behaviour
 isorender_refuses 3 "$url/image.zarr/.zattrs: cannot be read: " "$url/image.zarr"
+isorender_refuses 3 "$url/v.nrrd: cannot be read: " "$url/v.nrrd" --isovalue 120
 echo parts=no >in/.behaviour
 rm -rf kept
 isorender_refuses 3 "its server does not send parts of files: copy it here" "$url/end.zarr" --isovalue 120
