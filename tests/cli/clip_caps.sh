@@ -95,6 +95,16 @@ red = sum(p[0] > 200 and p[1] < 50 for p in Png("slice.png").pixels())
 expect(100 < red < 1000, red, "pixels of outlines")
 expect(Png("slice.png").rows == Png("slicetruth.png").rows, "slices differ")
 P
+# lines are along the outlines of a cap and of a slice, which stay as they are
+for what in "--clip y<2 --cap slice" "--slice y=0"; do
+    isorender in/v.mha plain.png $what --resolution 80x80 --samples 1 --quiet
+    isorender in/v.mha lines.png $what --resolution 80x80 --samples 1 --outline --quiet
+    python3 -c 'from check import *
+plain, lines = (list(Png(n + ".png").pixels()) for n in ("plain", "lines"))
+ink = sum(p != q for p, q in zip(plain, lines))
+seen = sum(p[:3] != (255, 255, 255) for p in plain)
+expect(100 < ink < .3 * seen, ink, "of", seen, sys.argv)' "$what"
+done
 refuses 2 "needs --clip" isorender in/v.mha bad.png --cap slice
 refuses 2 "no colormap .rainbow." isorender in/v.mha bad.png --clip 'y<2' --cap slice:rainbow
 refuses 2 "is for --slice" isorender in/v.mha bad.png --clip 'y<2' --cap red --window 3,4

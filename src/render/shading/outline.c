@@ -52,6 +52,16 @@ static float cosine(const iso_gbuffer *g, size_t a, size_t b) {
            g->normal[2][a] * g->normal[2][b];
 }
 
+/* Slices and caps that show a volume are not lit, and have normals of 0: one is as flat as a picture. */
+static bool is_unlit(const iso_gbuffer *g, size_t a) {
+    return g->normal[0][a] == 0 && g->normal[1][a] == 0 && g->normal[2][a] == 0;
+}
+
+static bool is_crease(const iso_gbuffer *g, size_t a, size_t b) {
+    if (g->surface[a] != g->surface[b] || is_unlit(g, a) != is_unlit(g, b)) return true;
+    return !is_unlit(g, a) && cosine(g, a, b) < CREASE;
+}
+
 /* Whether a line passes between the sample and the spoke's end. `crease`: creases are looked for, too. */
 static bool is_line(const rows *r, int x, int y, const int spoke[2], bool crease) {
     const iso_gbuffer *g = r->gbuffer;
@@ -69,7 +79,7 @@ static bool is_line(const rows *r, int x, int y, const int spoke[2], bool crease
     }
     if (down > step && down - before > step) return true;
     if (down < -step || !crease) return false; /* the line lies on the nearer side */
-    return g->surface[own] != g->surface[there] || cosine(g, own, there) < CREASE;
+    return is_crease(g, own, there);
 }
 
 static void draw_band(void *context, size_t number, int worker) {
