@@ -80,9 +80,20 @@ static void describe_scene(const iso_grid *grid, const char *name, iso_volume_in
                                                        (uint64_t)info->dims[2] * iso_type_size(info->type);
 }
 
+/* A scene can be cropped; the other options choose what is read of a file, and how. */
+static iso_status check_scene_options(const iso_loader *loader, iso_error *error) {
+    iso_input given = *loader->options;
+    if (given.level == ISO_LEVEL_AUTO) given.level = 0;
+    given.cropped = given.cropped_mm = 0;
+    const char *option = iso_input_volume_option(&given);
+    if (!option || loader->is_further) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "is computed: %s is for volumes in files", option);
+}
+
 static iso_status make_scene(iso_loader *loader, iso_error *error) {
     char name[SCENE_NAME];
     iso_scene_opts opts = {.pool = loader->pool};
+    ISO_TRY(check_scene_options(loader, error));
     ISO_TRY(parse_scene(loader->input + strlen(SCENE_PREFIX), name, &opts.size, error));
     ISO_TRY(check_memory(loader, scene_bytes(name, opts.size), error));
     ISO_TRY(iso_scene_create(name, &opts, &loader->volume.grid, &loader->scene_isovalue, error));
