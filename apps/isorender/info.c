@@ -49,11 +49,11 @@ static void print_memory(const isorender_job *job, const iso_volume_info *info) 
     printf(" for a picture of %dx%d\n", job->settings->width, job->settings->height);
 }
 
-/* What else the voxels can be drawn as. */
+/* What else the voxels can be drawn as; components may also be times or colours, which files do not say. */
 static void print_field(const iso_volume_info *info) {
     const int n = info->components;
-    if (n == 3) printf("  %-11s as vectors: arrows (--glyphs), streamlines (--lines)\n", "drawable");
-    if (n == 6 || n == 7 || n == 9) printf("  %-11s as tensors: ellipsoids (--glyphs)\n", "drawable");
+    if (n == 3) printf("  %-11s if they are vectors: arrows (--glyphs), streamlines (--lines)\n", "drawable");
+    if (n == 6 || n == 7 || n == 9) printf("  %-11s if they are tensors: ellipsoids (--glyphs)\n", "drawable");
 }
 
 static void print_header(const isorender_job *job, const iso_loader *loader) {

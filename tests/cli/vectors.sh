@@ -51,7 +51,7 @@ assert o["path"] == "surface" and 50 < o["glyphs"] < 125 and o["gradients"]["eve
 assert o["range"][0] > 0 and o["gradients"]["points"] > 1000, o
 P
 isorender --info in/turn.mha >info 2>/dev/null
-grep -q "as vectors: arrows (--glyphs), streamlines (--lines)" info
+grep -q "if they are vectors: arrows (--glyphs), streamlines (--lines)" info
 isorender --info --glyphs in/turn.mha >info 2>/dev/null
 grep -q "21 x 21 x 5, 3 components: vectors" info && grep -q "magnitude: 1 .. 14.1421" info
 isorender_refuses 2 "is for surfaces" --glyphs surface
