@@ -91,6 +91,13 @@ typedef struct iso_pullpush_steps {
     void (*finish_samples)(const iso_pullpush_params *params, iso_rows rows);
 } iso_pullpush_steps;
 
+/* Pull and push of lines, or of several sets, by another engine than the cpu. `draw`: draws a strip: `params`
+ * has its target, and its pyramid, whose base level alone has been made. */
+typedef struct iso_pyramid_engine {
+    iso_status (*draw)(void *context, const iso_pullpush_params *params, iso_error *error);
+    void *context;
+} iso_pyramid_engine;
+
 /* Projects the points of the blocks into rows of the keys, and of the index when there is one. */
 typedef void iso_pullpush_project_fn(const iso_point_projection *projection, const iso_block_list *list,
                                      iso_rows rows);
