@@ -49,7 +49,8 @@ typedef struct iso_pullpush_params {
     float normal[9];    /* normals from index to view space */
     float radius;       /* of discs of points without radii of their own, mm */
     const float *radii; /* of the points that the pyramid's index numbers, mm; NULL: all are the same */
-    float scale;        /* pixels per mm at depth 1 (orthographic: at any depth) */
+    const uint8_t (*colors)[3]; /* the same; NULL: they have none */
+    float scale;                /* pixels per mm at depth 1 (orthographic: at any depth) */
     bool orthographic;
     iso_pullpush_kind kind;
     /* The ray through pixel (c, r) of level 0 has x / z = (c + 0.5 - ray[0]) * slope and y / z = (r + 0.5 -

@@ -157,7 +157,10 @@ static iso_status prepare_pyramid(pullpush_call *call, iso_error *error) {
     call->projection.pyramid = call->pyramid;
     call->params = iso_pullpush_params_make(&layout, &call->projector, call->points->radius,
                                             call->points->dims, call->reconstruction, !cull);
-    if (call->pyramid->index) call->params.radii = call->points->radii;
+    if (call->pyramid->index) {
+        call->params.radii = call->points->radii;
+        call->params.colors = call->points->colors;
+    }
     call->params.pyramid = call->pyramid;
     call->params.target = call->target;
     if (call->polygons) ISO_TRY(iso_polygons_rasterize(call->polygons, call->target, &layout, error));
