@@ -338,8 +338,9 @@ static bool is_gap_supported(const work *w, int x, int y) {
     return is_supported(w, x, y, widest, nearest);
 }
 
-/* Gives a pixel of level 0 without a value the nearest of the points whose discs, of 0.7 times their radii, its
- * ray meets. Points are looked for where discs of the coarser pixels around it have a radius of a pixel. */
+/* Gives a pixel of level 0 without a value the nearest of the points whose discs, of 0.7 times their radii,
+ * its ray meets. Points are looked for where discs of the coarser pixels around it have a radius of a
+ * pixel. */
 static void fill_rim(const work *w, int x, int y, cell *own) {
     const iso_view *view = w->view;
     const level *points = &w->points;
