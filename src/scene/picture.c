@@ -92,12 +92,18 @@ static iso_status draw_caps(const drawing *d, const iso_view *view, iso_gbuffer 
     return d->scene->caps ? iso_caps_draw(d->scene->caps, view, gbuffer, d->pool, error) : ISO_OK;
 }
 
+static bool has_pyramid(const iso_scene *scene) {
+    bool any = scene->pyramid_count > 0;
+    for (int i = 0; i < scene->object_count; i++) any |= scene->objects[i]->in_pyramid;
+    return any;
+}
+
 static iso_status draw_things(const drawing *d, const iso_view *view, iso_gbuffer *gbuffer,
                               iso_error *error) {
     const iso_scene *scene = d->scene;
     const iso_target target = {view, gbuffer, d->pool, 0, NULL};
     if (scene->engine) return scene->engine->draw(scene->engine->context, scene, view, gbuffer, error);
-    ISO_TRY(iso_scene_draw_pyramid(scene, &target, NULL, NULL, error));
+    if (has_pyramid(scene)) ISO_TRY(iso_scene_draw_pyramid(scene, &target, NULL, NULL, error));
     return iso_scene_draw_from(scene, 0, view, gbuffer, d->pool, error);
 }
 
