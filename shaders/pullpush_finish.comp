@@ -2,6 +2,7 @@
  * 3.2). A sample is mixed from level 1, or it is the point projected to its pixel when level 0 is the
  * base. It is written where it is nearer than the sample there. The same as render/pullpush/finish_simd.h. */
 const float PP_SUPPORT_REACH = 16.0, PP_SUPPORT_RADIUS = 1.0, PP_SUPPORT_GROW = 1.1;
+const float PP_RIM_PART = 0.7, PP_RIM_REACH = 6.0;
 
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 
@@ -66,6 +67,42 @@ bool is_gap_supported(ivec2 at, mixture m) {
     return is_supported(at, widest, nearest);
 }
 
+/* The nearest point whose disc pixel `at` of level 0 meets, at the depth where it does; no_pixel if there is
+ * none: rims of finish_simd.h. */
+pixel rim(ivec2 at, mixture m) {
+    float nearest = ISO_GL_NOWHERE, widest = 0.0, size = float(1 << lattice.x);
+    for (int k = 0; k < 4; k++) {
+        if (m.at[k] < 0 || ranges[m.at[k]].x >= ISO_GL_NOWHERE) continue;
+        nearest = min(nearest, ranges[m.at[k]].x);
+        widest = max(widest, ellipses[m.at[k]].w);
+    }
+    float radius = widest * axis.w;
+    if (!orthographic) radius /= nearest;
+    pixel found = no_pixel();
+    found.shade.w = ISO_GL_NOWHERE;
+    if (!(radius >= PP_SUPPORT_RADIUS)) return found;
+    float reach = min(PP_RIM_PART * radius, PP_RIM_REACH * size);
+    vec2 slope = slope_of(0, at);
+    float ray_z = 1.0 / sqrt(dot(slope, slope) + 1.0);
+    ivec2 low = max(ivec2(floor((vec2(at) + 0.5 - reach) / size)), ivec2(0));
+    ivec2 high = min(ivec2(floor((vec2(at) + 0.5 + reach) / size)), levels[lattice.x].xy - 1);
+    for (int y = low.y; y <= high.y; y++)
+        for (int x = low.x; x <= high.x; x++) {
+            pixel p = decoded(ivec2(x, y));
+            if (p.range.x >= ISO_GL_NOWHERE) continue;
+            float along = (dot(p.shade.xy, slope) + p.shade.z) * ray_z;
+            vec2 n = p.shade.xy - (along + p.shade.z) * ray_z / (1.0 + ray_z) * slope;
+            vec2 d = (vec2(x, y) + 0.5 + p.range.zw) * size - vec2(at) - 0.5;
+            float mm = (orthographic ? 1.0 : p.shade.w) / axis.w, part = PP_RIM_PART * p.radius / mm;
+            float steep = along * along, outward = dot(d, n), z = p.shade.w + mm * outward / along;
+            if (!(dot(d, d) * steep + outward * outward < part * part * steep && z < found.shade.w)) continue;
+            if (is_beyond_grid(0, at, z)) continue;
+            found = p;
+            found.shade.w = z;
+        }
+    return found;
+}
+
 void main() {
     ivec2 sample_at = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(sample_at, picture.xy))) return;
@@ -74,11 +111,14 @@ void main() {
     if (lattice.x == 0) own = decoded(at);
     bool has_own = own.range.x < ISO_GL_NOWHERE;
     mixture m = mixed(1, at, own.range.x);
-    if (!m.made && !has_own) return;
-    if (m.made && !m.covered && !is_gap_supported(at, m)) return;
+    if (m.made && !m.covered && !is_gap_supported(at, m)) m.made = false;
     if (has_own && !m.covered && is_beyond(at, own) &&
         !(m.around && is_supported(at, own.radius, own.shade.w)))
-        return;
+        has_own = false;
+    if (!m.made && !has_own) {
+        own = rim(at, m);
+        if (own.range.x >= ISO_GL_NOWHERE) return;
+    }
     vec4 shade = m.made ? mixed_shade(m) : own.shade;
 
     if (!put_sample(sample_at, shade.w, shade.xyz)) return;

@@ -19,7 +19,7 @@ static bool has_no_surface(const isorender_settings *settings) {
 /* Whether OpenGL has the method. Of pictures without one it draws those that ask for it. */
 static bool has_gl(const isorender_settings *settings) {
     if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
-    if (settings->one_pyramid || settings->cut_count) return false;
+    if (settings->cut_count) return false;
     /* OpenGL draws hidden instances, too: not by itself */
     if (settings->instances && !is_any(settings->backend, "egl", "osmesa")) return false;
     return settings->method != ISORENDER_METHOD_UNCHOSEN && isorender_method_can(settings, ISO_CAN_GL);
@@ -70,9 +70,6 @@ iso_status isorender_backend_check(isorender_settings *settings, iso_error *erro
     if (gl && settings->group_radii == ISO_GROUP_RADII_COPIES)
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no --group-radii copies: they need the cpu",
                         name);
-    if (gl && settings->one_pyramid)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--backend %s draws each set alone: --one-pyramid needs the cpu", name);
     if (gl && settings->cut_count)
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s cuts nothing: --clip needs the cpu", name);
     if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
@@ -112,7 +109,7 @@ isorender_backend isorender_backend_cpu(void) {
 /* Whether the picture has several image pyramids. On the only GPU that the engine has been tried on (NVIDIA
  * H200, driver 580.159) the second one is drawn in a wrong place, for a reason that has not been found. */
 static bool has_several_pyramids(const isorender_settings *settings) {
-    return settings->method == ISO_METHOD_PULLPUSH && settings->isovalue_count > 1;
+    return settings->method == ISO_METHOD_PULLPUSH && settings->isovalue_count > 1 && !settings->one_pyramid;
 }
 
 iso_status isorender_backend_open(const isorender_settings *settings, isorender_backend *backend,

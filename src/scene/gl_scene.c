@@ -7,6 +7,8 @@
 #include "render/gl/instances.h"
 #include "render/gl/lines.h"
 #include "render/gl/pullpush.h"
+#include "render/gl/sets.h"
+#include "scene/pyramid_sets.h"
 
 static bool draws_groups(const iso_scene *scene) {
     return scene->renderer->needs & 1u << ISO_PART_GROUPS;
@@ -21,6 +23,7 @@ static iso_status upload_objects(iso_gl_scene *gl, const iso_scene *scene, iso_e
     for (int i = 0; i < scene->object_count; i++) {
         const iso_scene_object *object = scene->objects[i];
         const iso_mesh_view mesh = iso_triangle_spans_view(&object->spans);
+        if (object->in_pyramid) continue;
         if (!object->shapes)
             ISO_TRY(iso_gl_upload_mesh(gl->engine, &mesh, &gl->meshes[i], error));
         else if (!object->pyramid_lines)
@@ -47,7 +50,7 @@ static iso_status upload_surface(iso_gl_scene *gl, const iso_scene *scene, int i
 
 iso_status iso_gl_scene_upload(iso_gl_scene *gl, const iso_scene *scene, iso_error *error) {
     ISO_TRY(upload_objects(gl, scene, error));
-    for (int i = 0; i < scene->count && !uploads_each_time(scene); i++)
+    for (int i = scene->pyramid_count; i < scene->count && !uploads_each_time(scene); i++)
         ISO_TRY(upload_surface(gl, scene, i, error));
     return ISO_OK;
 }
@@ -88,7 +91,7 @@ static iso_status draw_groups(const iso_gl_scene *gl, const iso_scene *scene, co
 
 static iso_status draw_hybrids(const iso_gl_scene *gl, const iso_scene *scene, const iso_view *view,
                                iso_gbuffer *gbuffer, iso_error *error) {
-    for (int i = 0; i < scene->count; i++) {
+    for (int i = scene->pyramid_count; i < scene->count; i++) {
         const iso_scene_surface *surface = scene->surfaces[i].surface;
         const iso_point_view points = iso_scene_surface_points(surface);
         const iso_mesh_view mesh = iso_mesh_set_view(surface->mesh);
@@ -157,7 +160,7 @@ static iso_status draw_instances(void *context, iso_instance_drawing *drawing, c
  * instances. */
 static iso_status draw_detailed(iso_gl_scene *gl, const iso_scene *scene, const iso_view *view,
                                 iso_gbuffer *gbuffer, iso_error *error) {
-    for (int i = 0; i < scene->count; i++) {
+    for (int i = scene->pyramid_count; i < scene->count; i++) {
         const iso_gl_surface *const uploaded = gl->surfaces[i];
         const iso_target target = {view, gbuffer, gl->pool, (uint8_t)i, NULL};
         if (i < scene->placed_count) {
@@ -223,13 +226,22 @@ static iso_status draw_object(const iso_gl_scene *gl, const iso_scene *scene, in
     return iso_scene_object_draw(object, &target, pullpush, error);
 }
 
+/* iso_draw_sets_fn. */
+static iso_status draw_sets(void *context, const iso_target *target, const iso_pyramid_set *sets,
+                            size_t count, const iso_pullpush_opts *opts, iso_error *error) {
+    const iso_gl_scene *gl = context;
+    return iso_gl_draw_pyramid_sets(gl->engine, target, sets, count, opts, error);
+}
+
 /* iso_scene_engine.draw. */
 static iso_status draw(void *context, const iso_scene *scene, const iso_view *view, iso_gbuffer *gbuffer,
                        iso_error *error) {
     iso_gl_scene *gl = context;
+    const iso_target target = {view, gbuffer, gl->pool, 0, NULL};
     if (scene->count) ISO_TRY(draw_surfaces(gl, scene, view, gbuffer, error));
+    ISO_TRY(iso_scene_draw_pyramid(scene, &target, draw_sets, gl, error));
     for (int i = 0; i < scene->object_count; i++)
-        if (iso_scene_object_is_opaque(scene->objects[i]))
+        if (iso_scene_object_is_opaque(scene->objects[i]) && !scene->objects[i]->in_pyramid)
             ISO_TRY(draw_object(gl, scene, i, view, gbuffer, error));
     return ISO_OK;
 }

@@ -1,59 +1,12 @@
 /* picture: draws what a scene consists of, and chooses how its picture is drawn. */
 #include "scene/picture.h"
 
-#include "base/memory.h"
 #include "exact/exact.h"
-#include "render/pullpush/sets.h"
 #include "scene/coloring.h"
 #include "scene/label_colors.h"
+#include "scene/pyramid_sets.h"
 
 /* ---- surfaces, as if they were opaque, and opaque objects */
-
-/* The sets of one image pyramid. */
-typedef struct pyramid_sets {
-    iso_pyramid_set sets[ISO_SURFACE_MAX];
-    iso_point_view points[ISO_SURFACE_MAX];
-    iso_mesh_view meshes[ISO_SURFACE_MAX];
-    size_t count;
-} pyramid_sets;
-
-/* Lists the surfaces and objects that share a pyramid. */
-static void list_pyramid_sets(const iso_scene *scene, pyramid_sets *all) {
-    for (int i = 0; i < scene->pyramid_count; i++) {
-        const iso_scene_surface *surface = scene->surfaces[i].surface;
-        iso_pyramid_set *set = &all->sets[all->count++];
-        all->points[i] = iso_scene_surface_points(surface);
-        *set = (iso_pyramid_set){.surface = (uint8_t)i, .points = &all->points[i]};
-        if (scene->renderer->method != ISO_METHOD_HYBRID) continue;
-        all->meshes[i] = iso_mesh_set_view(surface->mesh);
-        set->mesh = &all->meshes[i];
-    }
-    for (int i = 0; i < scene->object_count; i++) {
-        const iso_scene_object *object = scene->objects[i];
-        const int number = scene->count + i;
-        if (!object->in_pyramid) continue;
-        iso_pyramid_set *set = &all->sets[all->count++];
-        *set = (iso_pyramid_set){.surface = (uint8_t)number, .ribbons = object->pyramid_lines};
-        if (object->shapes) continue;
-        all->meshes[number] = iso_triangle_spans_view(&object->spans);
-        set->mesh = &all->meshes[number];
-    }
-}
-
-static iso_status draw_pyramid(const iso_scene *scene, const iso_target *target, iso_error *error) {
-    const iso_pullpush_opts opts = {.reconstruction = scene->renderer->discs,
-                                    .workspace = iso_point_workspace_pullpush(scene->workspace)};
-    pyramid_sets *all = iso_alloc_zero(1, sizeof *all);
-    if (!all) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing");
-    list_pyramid_sets(scene, all);
-    const iso_status status =
-        all->count ? iso_draw_pyramid_sets(target, all->sets, all->count, &opts, error) : ISO_OK;
-    iso_free(all);
-    for (int i = 0; i < scene->object_count && status == ISO_OK; i++)
-        if (scene->objects[i]->in_pyramid)
-            iso_scene_object_count(scene->objects[i], target->gbuffer, scene->count + i);
-    return status;
-}
 
 static void tell_surface(const iso_scene *scene, int number, bool done) {
     if (scene->progress && scene->progress->surface)
@@ -139,12 +92,18 @@ static iso_status draw_caps(const drawing *d, const iso_view *view, iso_gbuffer 
     return d->scene->caps ? iso_caps_draw(d->scene->caps, view, gbuffer, d->pool, error) : ISO_OK;
 }
 
+static bool has_pyramid(const iso_scene *scene) {
+    bool any = scene->pyramid_count > 0;
+    for (int i = 0; i < scene->object_count; i++) any |= scene->objects[i]->in_pyramid;
+    return any;
+}
+
 static iso_status draw_things(const drawing *d, const iso_view *view, iso_gbuffer *gbuffer,
                               iso_error *error) {
     const iso_scene *scene = d->scene;
     const iso_target target = {view, gbuffer, d->pool, 0, NULL};
     if (scene->engine) return scene->engine->draw(scene->engine->context, scene, view, gbuffer, error);
-    ISO_TRY(draw_pyramid(scene, &target, error));
+    if (has_pyramid(scene)) ISO_TRY(iso_scene_draw_pyramid(scene, &target, NULL, NULL, error));
     return iso_scene_draw_from(scene, 0, view, gbuffer, d->pool, error);
 }
 

@@ -1,10 +1,12 @@
 /* What shares the image pyramid of pull-push, by OpenGL against the cpu engine: lines as tubes and ribbons,
- * thin and wide, over a wall; and hybrid surfaces. Small pictures: software renderers take long. */
+ * thin and wide, over a wall; hybrid surfaces; and several sets in one pyramid. Small pictures: software
+ * renderers take long. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -15,6 +17,7 @@
 #include "lines_support.h"
 #include "render/gl/hybrid.h"
 #include "render/gl/lines.h"
+#include "render/gl/sets.h"
 #include "render/pullpush/hybrid.h"
 #include "shapes_support.h"
 
@@ -129,7 +132,77 @@ static void check_hybrid(iso_gl_engine *engine) {
     iso_grid_destroy(&grid);
 }
 
+/* Two surfaces that intersect, one of them hybrid, and coloured ribbons beside and through them, in one
+ * pyramid: from three sides, from near, and in parallel projection. */
+static void check_sets(iso_gl_engine *engine) {
+    static const char *const names[] = {"sphere", "gyroid"};
+    iso_error error = {0};
+    iso_grid grid[2];
+    gl_surface s[2];
+    iso_point_view points[2];
+    iso_pyramid_lines *ribbons;
+    for (int i = 0; i < 2; i++) {
+        double isovalue;
+        const iso_scene_opts scene_opts = {.size = 48, .dense = true};
+        test_ok(iso_scene_create(names[i], &scene_opts, &grid[i], &isovalue, &error), &error);
+        s[i] = gl_surface_make(&grid[i], isovalue);
+        points[i] = iso_point_set_view(s[i].packed);
+    }
+    const iso_mesh_view mesh = iso_mesh_set_view(s[1].mesh);
+    const iso_vec3 low = s[0].box.lo, high = s[0].box.hi;
+    test_lines_start(&scene, 0, 0, 0);
+    for (int i = 0; i < VERTICES; i++) {
+        double sine, cosine, part = (double)i / (VERTICES - 1);
+        iso_sincos(4 * ISO_PI * part, &sine, &cosine);
+        test_lines_add(&scene, low.x + (high.x - low.x) * (0.5 + 0.6 * cosine),
+                       low.y + (high.y - low.y) * (0.5 + 0.6 * sine), low.z + (high.z - low.z) * part,
+                       0.02 * (high.x - low.x));
+    }
+    test_lines_end(&scene);
+    for (size_t i = 0; i < scene.lines.vertex_count; i++)
+        for (int k = 0; k < 3; k++) scene.colors[i][k] = (uint8_t)(50 * k + 2 * i);
+    scene.lines.colors = scene.colors;
+    test_ok(iso_lines_add_normals(&scene.lines, &error), &error);
+    test_ok(iso_pyramid_lines_create(&scene.lines,
+                                     &(iso_shapes_opts){.style = ISO_LINE_RIBBON, .min_pixels = 1}, &ribbons,
+                                     &error),
+            &error);
+    for (int i = 0; i < 4; i++) {
+        iso_view view = gl_side_view(&s[0].box, i % 3, i == 2, WIDTH, HEIGHT);
+        if (i == 3) view.focal *= 3;
+        iso_gbuffer cpu = walled(&view), gl = walled(&view);
+        const iso_pyramid_set sets[] = {{.surface = 1, .points = &points[0]},
+                                        {.surface = 2, .points = &points[1], .mesh = i & 1 ? &mesh : NULL},
+                                        {.surface = 3, .ribbons = ribbons}};
+        const iso_target by_cpu = {&view, &cpu, NULL, 0, NULL}, by_gl = {&view, &gl, NULL, 0, NULL};
+        test_ok(iso_draw_pyramid_sets(&by_cpu, sets, 3, NULL, &error), &error);
+        test_ok(iso_gl_draw_pyramid_sets(engine, &by_gl, sets, 3, NULL, &error), &error);
+        const gl_difference d = gl_compare(&view, &cpu, &gl);
+        int seen[4] = {0}, colors = 0;
+        for (int k = 0; k < view.width * view.height; k++) {
+            if (cpu.surface[k] < 4) seen[cpu.surface[k]]++;
+            for (int byte = 0; byte < 32 && cpu.surface[k] == gl.surface[k]; byte += 8)
+                colors += abs((int)(cpu.color[k] >> byte & 255) - (int)(gl.color[k] >> byte & 255)) > 1;
+        }
+        printf("sets, view %d                  %5.1f dB\n", i, d.psnr);
+        if (!(d.psnr >= 43 && seen[1] > 200 && seen[2] > 200 && seen[3] > 50 && colors < 10))
+            fail_msg("sets, view %d: %.1f dB, %d pixels and %d colours differ; %d, %d and %d seen", i, d.psnr,
+                     d.differ, colors, seen[1], seen[2], seen[3]);
+        iso_gbuffer_free(&cpu);
+        iso_gbuffer_free(&gl);
+    }
+    iso_pyramid_lines_destroy(ribbons);
+    iso_free(scene.lines.normals);
+    scene.lines.colors = NULL;
+    scene.lines.normals = NULL;
+    for (int i = 0; i < 2; i++) {
+        gl_surface_free(&s[i]);
+        iso_grid_destroy(&grid[i]);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {gl_engine_test(check_lines), gl_engine_test(check_hybrid)};
+    const struct CMUnitTest tests[] = {gl_engine_test(check_lines), gl_engine_test(check_hybrid),
+                                       gl_engine_test(check_sets)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

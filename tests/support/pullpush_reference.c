@@ -338,6 +338,41 @@ static bool is_gap_supported(const work *w, int x, int y) {
     return is_supported(w, x, y, widest, nearest);
 }
 
+/* Gives a pixel of level 0 without a value the nearest of the points whose discs, of 0.7 times their radii,
+ * its ray meets. Points are looked for where discs of the coarser pixels around it have a radius of a
+ * pixel. */
+static void fill_rim(const work *w, int x, int y, cell *own) {
+    const iso_view *view = w->view;
+    const level *points = &w->points;
+    const double at_x = x + 0.5, at_y = y + 0.5;
+    double nearest = INFINITY, widest = 0, ray[3], depth = INFINITY;
+    for (int k = 0; k < 4; k++) {
+        const cell *c = cell_at(&w->levels[1], ((x - 1) >> 1) + (k & 1), ((y - 1) >> 1) + (k >> 1));
+        if (!c || !c->valid) continue;
+        nearest = fmin(nearest, c->depth);
+        widest = fmax(widest, c->radius);
+    }
+    const double radius = widest * view->focal / (view->orthographic ? 1 : nearest),
+                 reach = fmin(0.7 * radius, 6 * points->size);
+    if (!(radius >= 1)) return;
+    ray_of(w, 1, x, y, ray);
+    for (int row = (int)floor((at_y - reach) / points->size); row <= floor((at_y + reach) / points->size);
+         row++)
+        for (int i = (int)floor((at_x - reach) / points->size); i <= floor((at_x + reach) / points->size);
+             i++) {
+            const cell *c = cell_at(points, i, row);
+            if (!c || !c->valid) continue;
+            cell part = *c;
+            part.radius *= 0.7;
+            const ellipse e = ellipse_of(w, &part, ray, 0);
+            const double dx = at_x - c->x, dy = at_y - c->y,
+                         z = c->depth + e.rise * (dx * e.m[0] + dy * e.m[1]);
+            if (!(form(&e, dx, dy) < 1 && z < depth) || is_beyond_grid(w, at_x, at_y, z)) continue;
+            *own = *c;
+            own->depth = depth = z;
+        }
+}
+
 static void push(work *w, int number) {
     level *fine = &w->levels[number];
     for (int y = 0; y < fine->height; y++)
@@ -394,6 +429,9 @@ void reference_pullpush(const reference_opts *opts, const iso_view *view, const 
     w.points = make_level(view->width + 2 * opts->guard, view->height + 2 * opts->guard, opts->base);
     memcpy(w.points.cells, base->cells, (size_t)base->width * (size_t)base->height * sizeof *base->cells);
     for (int l = opts->top - 1; l >= 0; l--) push(&w, l);
+    for (int y = 0; y < w.levels[0].height; y++)
+        for (int x = 0; x < w.levels[0].width; x++)
+            if (!cell_at(&w.levels[0], x, y)->valid) fill_rim(&w, x, y, cell_at(&w.levels[0], x, y));
     resolve_picture(&w, points, gbuffer);
     for (int l = 0; l <= opts->top; l++) free(w.levels[l].cells);
     free(w.points.cells);

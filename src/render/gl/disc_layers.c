@@ -181,8 +181,10 @@ static iso_status run(const layers_call *call, iso_gl_program program, iso_error
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_LAYERS, storage[ISO_GL_STORE_LAYERS]);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_HITS, storage[ISO_GL_STORE_HITS]);
     gl->UseProgram(name);
+    iso_gl_timer_begin(&call->engine->timer, gl, ISO_GL_PASS_DRAW);
     gl->DispatchCompute((GLuint)call->across, (GLuint)call->down, 1);
     gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    iso_gl_timer_end(&call->engine->timer, gl);
     return ISO_OK;
 }
 
@@ -361,6 +363,7 @@ static iso_status find_rows(layers_call *call, int rows, found_layers *found, bo
     call->down = (rows + ISO_GL_SPLAT_TILE - 1) / ISO_GL_SPLAT_TILE;
     *fits = true;
     for (int i = 0; i < call->input->count && *fits; i++) ISO_TRY(find_part(call, i, &found[i], fits, error));
+    iso_gl_timer_read(&call->engine->timer, call->gl);
     for (int i = 0; i < call->input->count && !*fits; i++) /* take back what was appended */
         found[i].count = found[i].start[(size_t)call->row * (size_t)call->view.width];
     return ISO_OK;

@@ -140,7 +140,7 @@ static iso_status pull_and_push(const lines_call *call, const iso_pyramid_layout
     return status;
 }
 
-/* iso_line_engine.draw. */
+/* iso_pyramid_engine.draw. */
 static iso_status draw_strip(void *context, const iso_pullpush_params *params, iso_error *error) {
     lines_call *call = context;
     const iso_pyramid *p = params->pyramid;
@@ -163,7 +163,7 @@ iso_status iso_gl_draw_pyramid_lines(iso_gl_engine *engine, const iso_target *ta
                                      const iso_pyramid_lines *lines, iso_pullpush *workspace,
                                      iso_error *error) {
     lines_call call = {.engine = engine, .gl = engine->context->gl};
-    const iso_line_engine by = {draw_strip, &call};
+    const iso_pyramid_engine by = {draw_strip, &call};
     ISO_TRY(iso_gl_enter(engine->context, error));
     const iso_status status = iso_draw_pyramid_lines_by(&by, target, lines, workspace, error);
     iso_buffer_free(&call.room);

@@ -7,6 +7,7 @@
 #include "render/gl/hybrid.h"
 #include "render/gl/instances.h"
 #include "render/gl/lines.h"
+#include "render/gl/sets.h"
 #include "render/gl/shapes.h"
 
 static iso_status refuse(iso_error *error) {
@@ -207,6 +208,13 @@ iso_status iso_gl_draw_pyramid_lines(iso_gl_engine *engine, const iso_target *ta
                                      const iso_pyramid_lines *lines, iso_pullpush *workspace,
                                      iso_error *error) {
     (void)engine, (void)target, (void)lines, (void)workspace;
+    return refuse(error);
+}
+
+iso_status iso_gl_draw_pyramid_sets(iso_gl_engine *engine, const iso_target *target,
+                                    const iso_pyramid_set *sets, size_t count, const iso_pullpush_opts *opts,
+                                    iso_error *error) {
+    (void)engine, (void)target, (void)sets, (void)count, (void)opts;
     return refuse(error);
 }
 

@@ -12,7 +12,7 @@
 #include "render/gl/internal.h"
 
 /* HEAD: sources that every shader begins with, before its pieces. */
-enum { STAGES = 2, PIECES = 4, HEAD = 5 };
+enum { STAGES = 2, PIECES = 5, HEAD = 5 };
 
 /* How a program is put together: one file per stage, and the pieces (shared GLSL) included before each of
  * them. */
@@ -38,6 +38,7 @@ typedef struct recipe {
 
 #define LINES "shared_pyramid.h", "pullpush_lines.glsl"
 #define PULL_LINES "pullpush_lines_pull.comp"
+#define SETS "shared_pyramid.h", "unpack.glsl", "pullpush_sets.glsl"
 
 /* The two passes over discs of the method discs, each as points and as quads. */
 #define DISC_SOURCES "discs_numbers.h", "discs.glsl", "discs_curvature.glsl"
@@ -127,6 +128,12 @@ static const recipe recipes[ISO_GL_PROGRAMS] = {
                              {"pullpush_lines_finish.comp"},
                              {"phong.h", LINES, "picture.glsl"},
                              ""},
+    [ISO_GL_SETS_PULL] = {"pull of sets", {"pullpush_sets_pull.comp"}, {SETS}, ""},
+    [ISO_GL_SETS_PUSH] = {"push of sets", {"pullpush_sets_push.comp"}, {SETS, "pullpush_sets_mix.glsl"}, ""},
+    [ISO_GL_SETS_FINISH] = {"finish of sets",
+                            {"pullpush_sets_finish.comp"},
+                            {SETS, "pullpush_sets_mix.glsl", "picture.glsl"},
+                            ""},
     [ISO_GL_POLYGON_KEYS] = {"keys of triangles",
                              {"pullpush_polygons.comp"},
                              {PYRAMID, "shared_pyramid.h"},

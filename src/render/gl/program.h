@@ -40,6 +40,9 @@ typedef enum iso_gl_program {
     ISO_GL_LINES_UNPACK,
     ISO_GL_LINES_PUSH,
     ISO_GL_LINES_FINISH,
+    ISO_GL_SETS_PULL, /* the same of several sets in one pyramid */
+    ISO_GL_SETS_PUSH,
+    ISO_GL_SETS_FINISH,
     ISO_GL_POLYGON_KEYS, /* triangles of hybrid surfaces: in the base level, and in the picture */
     ISO_GL_POLYGON_SAMPLES,
     ISO_GL_SHADE_TARGET,  /* shading of a canvas from the framebuffer */

@@ -1,5 +1,5 @@
-/* shared_pyramid: definitions for C and GLSL, after shared.h: lines and triangles in the image pyramid of
- * pull-push. */
+/* shared_pyramid: definitions for C and GLSL, after shared.h: lines, triangles and several sets in the image
+ * pyramid of pull-push. */
 #ifndef ISO_RENDER_GL_SHARED_PYRAMID_H
 #define ISO_RENDER_GL_SHARED_PYRAMID_H
 
@@ -32,6 +32,34 @@
     ISO_GL_FLOATS(way);     /* tangent or normal; cosine of twice the angle in the picture */                \
     ISO_GL_UINTS(more);     /* column and row; bits of the sine; colour; links, and 256: it is thin */
 
+/* Several sets (render/pullpush/sets.h): storage buffers: iso_gl_set_fragment; their numbers in the pixels of
+ * the base level (uint); the pixels of all levels above 0. */
+#define ISO_GL_SET_FRAGMENTS 1
+#define ISO_GL_SET_PIXELS 2
+#define ISO_GL_SET_INDEX 3
+#define ISO_GL_SET_PIXEL_BYTES 96
+
+/* std140. `sight`: ray, slope and scale of iso_pullpush_params. `disc`: low_pass, facing, edge, least_radius.
+ * `picture`: width, height, 0; 1: it has colours. `flags`: orthographic. `lattice` and `levels` as for
+ * points. */
+#define ISO_GL_SETS_FIELDS                                                                                   \
+    ISO_GL_FLOATS(normal_x); /* normals from index to view space */                                          \
+    ISO_GL_FLOATS(normal_y);                                                                                 \
+    ISO_GL_FLOATS(normal_z);                                                                                 \
+    ISO_GL_FLOATS(sight);                                                                                    \
+    ISO_GL_FLOATS(disc);                                                                                     \
+    ISO_GL_FLOATS(weight); /* coefficients */                                                                \
+    ISO_GL_INTS(lattice);                                                                                    \
+    ISO_GL_INTS(picture);                                                                                    \
+    ISO_GL_UINTS(flags);                                                                                     \
+    ISO_GL_INT_ROWS(levels, ISO_GL_LEVELS);
+
+/* std430. A pixel of the base level: its key and planes (render/pullpush/pyramid.h). */
+#define ISO_GL_SET_FRAGMENT_FIELDS                                                                           \
+    ISO_GL_UINTS(key);    /* payload; bits of the depth; SET; colour */                                      \
+    ISO_GL_FLOATS(shape); /* SHAPE_XX, SHAPE_XY, SHAPE_YY, ROOM */                                           \
+    ISO_GL_FLOATS(more);  /* TWICE_X, TWICE_Y, RADIUS, INTERVAL */
+
 /* A slot of uniform blocks, which the passes of splats have, too. std140. The triangles of a hybrid surface:
  * iso_brick_choice and iso_polygon_set (render/pullpush/polygon_fragments.h). */
 #define ISO_GL_POLYGONS 4
@@ -53,6 +81,12 @@ typedef struct iso_gl_lines_uniforms {
 typedef struct iso_gl_line_fragment {
     ISO_GL_LINE_FIELDS
 } iso_gl_line_fragment;
+typedef struct iso_gl_sets_uniforms {
+    ISO_GL_SETS_FIELDS
+} iso_gl_sets_uniforms;
+typedef struct iso_gl_set_fragment {
+    ISO_GL_SET_FRAGMENT_FIELDS
+} iso_gl_set_fragment;
 typedef struct iso_gl_polygons_uniforms {
     ISO_GL_POLYGONS_FIELDS
 } iso_gl_polygons_uniforms;

@@ -54,6 +54,16 @@ typedef struct pp_sight {
     float column, row, slope[2], ray_z;
 } pp_sight;
 
+/* The sight of the sample in a column and row of level 0. */
+ISO_INLINE pp_sight make_sight(const iso_pullpush_params *params, int column, int row) {
+    pp_sight sight = {.column = (float)column + 0.5f,
+                      .row = (float)row + 0.5f + (float)params->pyramid->layout.rows_before};
+    sight.slope[0] = (sight.column - params->ray[0]) * params->slope;
+    sight.slope[1] = (sight.row - params->ray[1]) * params->slope;
+    sight.ray_z = 1 / sqrtf(sight.slope[0] * sight.slope[0] + sight.slope[1] * sight.slope[1] + 1);
+    return sight;
+}
+
 /* The radii of the discs of a vector of points, mm; `place`: of the first one's key. Not those of the base
  * level's planes, which push changes. */
 ISO_INLINE vf radii_of_keys(const iso_pullpush_params *params, size_t place, vm there) {
@@ -66,45 +76,72 @@ ISO_INLINE vf radii_of_keys(const iso_pullpush_params *params, size_t place, vm 
     return v_max(v_load(radius), v_set(0));
 }
 
-/* Whether the ellipse of any of a vector of points contains a sample: that of project_disc in
- * ellipses_simd.h, with its limit OUT towards the silhouette. The keys are those from column x of row y of
- * the base level on, up to column `last`. */
-ISO_INLINE bool contain_sample(const iso_pullpush_params *params, const pp_sight *sight, int x, int y,
-                               int last) {
+/* A vector of points as a sample's ray sees them. */
+typedef struct pp_points {
+    vm there;
+    vf depth, normal[3]; /* view space */
+    vf along, turned[2]; /* the normals, rotated as the ray must be to lie on the z axis */
+    vf offset[2];        /* from the sample to the points, pixels of level 0 */
+    vf radius;           /* of the discs, mm */
+    vf pixel;            /* the size of a pixel of level 0 at the points' depths, mm */
+} pp_points;
+
+/* The points of the keys from column x of row y of the base level on, up to column `last`. Returns whether
+ * there is any; if not, the rest is undefined. */
+ISO_INLINE bool see_points(const iso_pullpush_params *params, const pp_sight *sight, int x, int y, int last,
+                           pp_points *out) {
     const iso_pyramid *p = params->pyramid;
     const size_t place = (size_t)y * p->key_stride + (size_t)x;
     const float size = (float)(1 << p->layout.base),
                 above = (float)(y + (p->layout.rows_before >> p->layout.base));
-    vf depth, folded[3], n[3];
+    vf folded[3];
     vi payload;
-    split_keys(p->keys + place, &depth, &payload);
-    const vm there = v_andnot(v_lt(depth, v_set(ISO_NOWHERE)), v_lti(v_seti(last), v_lanes() + x));
-    if (!v_mask(there)) return false;
+    split_keys(p->keys + place, &out->depth, &payload);
+    out->there = v_andnot(v_lt(out->depth, v_set(ISO_NOWHERE)), v_lti(v_seti(last), v_lanes() + x));
+    if (!v_mask(out->there)) return false;
     unfold_normals(payload, folded);
-    transform_normals(params, folded, n);
-    const vf along = (n[0] * sight->slope[0] + n[1] * sight->slope[1] + n[2]) * sight->ray_z,
-             turn = (along + n[2]) * (sight->ray_z / (1 + sight->ray_z)), mx = n[0] - turn * sight->slope[0],
-             my = n[1] - turn * sight->slope[1];
-    const vf length = PP_SUPPORT_GROW * radii_of_keys(params, place, there);
-    vf radius = length * params->scale;
-    if (!params->orthographic) radius = radius / depth;
-    const vf dx = (v_to_float(v_lanes() + x) + v_to_float(payload >> 22 & 31) * (1.0f / 32) + 1.0f / 64) *
-                      size -
-                  sight->column,
-             dy = (v_to_float(payload >> 27 & 31) * (1.0f / 32) + (1.0f / 64 + above)) * size - sight->row;
-    const vf flat = mx * mx + my * my, square = v_max(flat + along * along, v_set(1e-12f)),
-             b = radius * radius, a = b + params->low_pass, e = a * square - b * flat,
-             out = dx * mx + dy * my;
-    const vm silhouette = v_lt(v_set(0), out * along),
-             beyond = v_lt(flat * ((b + params->facing) * along * along + params->edge * flat),
-                           out * out * square);
-    vm inside = v_andnot(v_and(there, v_lt((dx * dx + dy * dy) * e + b * (out * out), a * e)),
-                         v_and(silhouette, beyond));
-    if (!v_mask(inside) || !params->has_border) return v_mask(inside) != 0;
-    const vf rise = length * v_sqrt(b / (a * e)) * out,
-             z = depth + v_select(v_lt(along, v_set(0)), -rise, rise);
+    transform_normals(params, folded, out->normal);
+    const vf *n = out->normal;
+    out->along = (n[0] * sight->slope[0] + n[1] * sight->slope[1] + n[2]) * sight->ray_z;
+    const vf turn = (out->along + n[2]) * (sight->ray_z / (1 + sight->ray_z));
+    for (int i = 0; i < 2; i++) out->turned[i] = n[i] - turn * sight->slope[i];
+    out->offset[0] =
+        (v_to_float(v_lanes() + x) + v_to_float(payload >> 22 & 31) * (1.0f / 32) + 1.0f / 64) * size -
+        sight->column;
+    out->offset[1] = (v_to_float(payload >> 27 & 31) * (1.0f / 32) + (1.0f / 64 + above)) * size - sight->row;
+    out->radius = radii_of_keys(params, place, out->there);
+    out->pixel = v_set(1 / params->scale);
+    if (!params->orthographic) out->pixel = out->pixel * out->depth;
+    return true;
+}
+
+/* Takes points out of `inside` whose discs, at depth z of the sample's ray, are beyond the grid's border. */
+ISO_INLINE vm clip_points(const iso_pullpush_params *params, const pp_sight *sight, vf z, vm inside) {
+    if (!v_mask(inside) || !params->has_border) return inside;
     const pp_ray ray = index_ray(params, v_set(sight->column), v_set(sight->row));
-    return v_mask(v_andnot(inside, is_beyond_grid(params, &ray, z, v_set(PP_BORDER)))) != 0;
+    return v_andnot(inside, is_beyond_grid(params, &ray, z, v_set(PP_BORDER)));
+}
+
+/* Whether the ellipse of any of a vector of points contains a sample: that of project_disc in
+ * ellipses_simd.h, with its limit OUT towards the silhouette. */
+ISO_INLINE bool contain_sample(const iso_pullpush_params *params, const pp_sight *sight, int x, int y,
+                               int last) {
+    pp_points p;
+    if (!see_points(params, sight, x, y, last, &p)) return false;
+    const vf *m = p.turned, *d = p.offset, length = PP_SUPPORT_GROW * p.radius;
+    vf radius = length * params->scale;
+    if (!params->orthographic) radius = radius / p.depth;
+    const vf flat = m[0] * m[0] + m[1] * m[1], square = v_max(flat + p.along * p.along, v_set(1e-12f)),
+             b = radius * radius, a = b + params->low_pass, e = a * square - b * flat,
+             out = d[0] * m[0] + d[1] * m[1];
+    const vm silhouette = v_lt(v_set(0), out * p.along),
+             beyond = v_lt(flat * ((b + params->facing) * p.along * p.along + params->edge * flat),
+                           out * out * square);
+    const vm inside = v_andnot(v_and(p.there, v_lt((d[0] * d[0] + d[1] * d[1]) * e + b * (out * out), a * e)),
+                               v_and(silhouette, beyond));
+    const vf rise = length * v_sqrt(b / (a * e)) * out,
+             z = p.depth + v_select(v_lt(p.along, v_set(0)), -rise, rise);
+    return v_mask(clip_points(params, sight, z, inside)) != 0;
 }
 
 /* The pixels of the base level, 0 .. count - 1, that lie between two places, pixels of level 0. */
@@ -122,10 +159,7 @@ static __attribute__((noinline)) bool is_supported(const iso_pullpush_params *pa
     const float size = (float)(1 << p->layout.base), x = (float)column + 0.5f, y = (float)row + 0.5f;
     const iso_rows rows = pixels_between(y - reach, y + reach, size, base->height),
                    columns = pixels_between(x - reach, x + reach, size, base->width);
-    pp_sight sight = {.column = x, .row = y + (float)p->layout.rows_before};
-    sight.slope[0] = (sight.column - params->ray[0]) * params->slope;
-    sight.slope[1] = (sight.row - params->ray[1]) * params->slope;
-    sight.ray_z = 1 / sqrtf(sight.slope[0] * sight.slope[0] + sight.slope[1] * sight.slope[1] + 1);
+    const pp_sight sight = make_sight(params, column, row);
     for (int i = rows.first; i <= rows.last; i++)
         for (int k = columns.first; k <= columns.last; k += ISO_LANES)
             if (contain_sample(params, &sight, k, i, columns.last)) return true;
@@ -155,6 +189,118 @@ ISO_INLINE vm find_unsupported(const iso_pullpush_params *params, const pp_own *
         if (!is_supported(params, column, own->row - layout->rows_before, reaches[i])) open |= 1u << i;
     }
     return v_from_mask(open);
+}
+
+/* ---- rims */
+
+/* Pull and push lose discs: at outlines, whose pixels are averaged with those within, and behind nearer discs
+ * in the same coarser pixel. A sample that gets no value beside pixels that have some (a rim) therefore shows
+ * the nearest of the points whose discs it meets, within PP_RIM_PART of their radii: the whole discs would
+ * overlap outlines that curve. Points are looked for up to PP_RIM_REACH columns and rows of the base level
+ * away, and only where discs have radii of PP_SUPPORT_RADIUS. None of this is in the paper. */
+#define PP_RIM_PART 0.7f
+#define PP_RIM_REACH 6.0f
+
+/* The nearest disc that a sample meets: depth, ISO_NOWHERE if there is none; normal, not unit; place of the
+ * point's key. */
+typedef struct pp_rim {
+    float depth, normal[3];
+    size_t place;
+} pp_rim;
+
+/* Takes the nearest of a vector of points whose discs the sample meets, if it is nearer than *out. */
+ISO_INLINE void meet_discs(const iso_pullpush_params *params, const pp_sight *sight, int x, int y, int last,
+                           pp_rim *out) {
+    pp_points p;
+    if (!see_points(params, sight, x, y, last, &p)) return;
+    const vf *m = p.turned, *d = p.offset, radius = PP_RIM_PART * p.radius / p.pixel,
+             steep = p.along * p.along, outward = d[0] * m[0] + d[1] * m[1],
+             z = p.depth + p.pixel * outward / p.along;
+    vm inside = v_and(p.there,
+                      v_lt((d[0] * d[0] + d[1] * d[1]) * steep + outward * outward, radius * radius * steep));
+    inside = v_and(clip_points(params, sight, z, inside), v_lt(z, v_set(out->depth)));
+    if (!v_mask(inside)) return;
+    float depth[ISO_LANES], normal[3][ISO_LANES];
+    v_store(depth, z);
+    for (int k = 0; k < 3; k++) v_store(normal[k], p.normal[k]);
+    for (uint32_t left = v_mask(inside); left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        if (!(depth[i] < out->depth)) continue;
+        *out = (pp_rim){depth[i],
+                        {normal[0][i], normal[1][i], normal[2][i]},
+                        (size_t)y * params->pyramid->key_stride + (size_t)(x + i)};
+    }
+}
+
+/* Finds what the sample in a column and row of level 0 meets. Not inlined: it is seldom called. */
+static __attribute__((noinline)) pp_rim find_rim(const iso_pullpush_params *params, int column, int row,
+                                                 float reach) {
+    const iso_pyramid *p = params->pyramid;
+    const iso_pyramid_level *base = &p->level[p->layout.base];
+    const float size = (float)(1 << p->layout.base), x = (float)column + 0.5f, y = (float)row + 0.5f;
+    const iso_rows rows = pixels_between(y - reach, y + reach, size, base->height),
+                   columns = pixels_between(x - reach, x + reach, size, base->width);
+    const pp_sight sight = make_sight(params, column, row);
+    pp_rim out = {.depth = ISO_NOWHERE};
+    for (int i = rows.first; i <= rows.last; i++)
+        for (int k = columns.first; k <= columns.last; k += ISO_LANES)
+            meet_discs(params, &sight, k, i, columns.last, &out);
+    return out;
+}
+
+/* Gives the samples `open` of a vector what they meet. */
+ISO_INLINE void fill_rims(const iso_pullpush_params *params, const pp_own *own, vf reach, vm open,
+                          pp_sample *sample) {
+    const iso_pyramid_layout *layout = &params->pyramid->layout;
+    const int guard = -layout->column, end = guard + params->target->gbuffer->width;
+    float reaches[ISO_LANES], depth[ISO_LANES], normal[3][ISO_LANES];
+    int32_t color[ISO_LANES];
+    v_store(reaches, reach);
+    v_store(depth, sample->depth);
+    v_storei(color, sample->color);
+    for (int k = 0; k < 3; k++) v_store(normal[k], sample->normal[k]);
+    for (uint32_t left = v_mask(open); left; left &= left - 1) {
+        const int i = __builtin_ctz(left), column = own->column + 2 * i;
+        if (column < guard || column >= end) continue;
+        const pp_rim rim = find_rim(params, column, own->row - layout->rows_before, reaches[i]);
+        if (!(rim.depth < ISO_NOWHERE)) continue;
+        const float *n = rim.normal, length = 1 / sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        depth[i] = rim.depth;
+        for (int k = 0; k < 3; k++) normal[k][i] = n[k] * length;
+        if (!params->colors) continue;
+        const uint8_t *point = params->colors[params->pyramid->index[rim.place]];
+        color[i] = (int32_t)((uint32_t)(params->target->surface + 1) << 24 | (uint32_t)point[2] << 16 |
+                             (uint32_t)point[1] << 8 | point[0]);
+    }
+    sample->depth = v_load(depth);
+    sample->color = v_loadi(color);
+    for (int k = 0; k < 3; k++) sample->normal[k] = v_load(normal[k]);
+}
+
+/* Looks for rims among the samples of a vector of cells. */
+ISO_INLINE void look_for_rims(const iso_pullpush_params *params, const pp_cells *cells, const bool within[2],
+                              const pp_own own[4], pp_sample sample[4]) {
+    vf nearest = v_set(ISO_NOWHERE), widest = v_set(0);
+    uint32_t any = 0;
+    for (int s = 0; s < 4; s++)
+        if (within[s >> 1]) any |= v_mask(v_le(v_set(ISO_NOWHERE), sample[s].depth));
+    if (!any) return;
+    for (int k = 0; k < 4; k++) {
+        const ptrdiff_t o = corner_index(cells->corners, cells->at, k);
+        const vf low = v_load(cells->corners->plane[ISO_PLANE_LOW] + o);
+        const vm there = v_lt(low, v_set(ISO_NOWHERE));
+        nearest = v_min(nearest, low);
+        widest = v_max(widest, v_select(there, rise_of(params, cells->corners, o), v_set(0)));
+    }
+    vf radius = widest * params->scale;
+    if (!params->orthographic) radius = radius / nearest;
+    const vm large = v_le(v_set(PP_SUPPORT_RADIUS), radius);
+    const vf most = v_set(PP_RIM_REACH * (float)(1 << params->pyramid->layout.base)),
+             reach = v_min(PP_RIM_PART * radius, most);
+    for (int s = 0; s < 4; s++) {
+        const vm open = v_and(large, v_le(v_set(ISO_NOWHERE), sample[s].depth));
+        if (within[s >> 1] && v_mask(open)) fill_rims(params, &own[s], reach, open, &sample[s]);
+    }
 }
 
 /* ---- points of pixels */
@@ -513,6 +659,7 @@ ISO_INLINE void finish_cells(const iso_pullpush_params *params, int x, int y, co
         }
     }
     if (c->plane[ISO_PLANE_RED]) set_colors(params, at, own, mix, sample);
+    if (is_surface(sides)) look_for_rims(params, &cells, within, own, sample);
     for (int row = 0; row < 2; row++)
         if (within[row]) write_row(params, x, line + row, sample + 2 * row, sides);
 }

@@ -49,7 +49,8 @@ typedef struct iso_pullpush_params {
     float normal[9];    /* normals from index to view space */
     float radius;       /* of discs of points without radii of their own, mm */
     const float *radii; /* of the points that the pyramid's index numbers, mm; NULL: all are the same */
-    float scale;        /* pixels per mm at depth 1 (orthographic: at any depth) */
+    const uint8_t (*colors)[3]; /* the same; NULL: they have none */
+    float scale;                /* pixels per mm at depth 1 (orthographic: at any depth) */
     bool orthographic;
     iso_pullpush_kind kind;
     /* The ray through pixel (c, r) of level 0 has x / z = (c + 0.5 - ray[0]) * slope and y / z = (r + 0.5 -
@@ -90,6 +91,13 @@ typedef struct iso_pullpush_steps {
     /* The last push, by rows of level 1's cells: writes samples into the gbuffer. */
     void (*finish_samples)(const iso_pullpush_params *params, iso_rows rows);
 } iso_pullpush_steps;
+
+/* Pull and push of lines, or of several sets, by another engine than the cpu. `draw`: draws a strip: `params`
+ * has its target, and its pyramid, whose base level alone has been made. */
+typedef struct iso_pyramid_engine {
+    iso_status (*draw)(void *context, const iso_pullpush_params *params, iso_error *error);
+    void *context;
+} iso_pyramid_engine;
 
 /* Projects the points of the blocks into rows of the keys, and of the index when there is one. */
 typedef void iso_pullpush_project_fn(const iso_point_projection *projection, const iso_block_list *list,

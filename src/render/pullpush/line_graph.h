@@ -58,15 +58,9 @@ void iso_line_graph_make_rows(const iso_pullpush_params *params, iso_rows rows);
 /* Finds the links of the fragments of rows. */
 void iso_line_graph_link_rows(const iso_pullpush_params *params, iso_rows rows);
 
-/* Pull and push of lines by another engine than the cpu. `draw`: draws a strip: `params` has its target, and
- * its pyramid, whose base level alone has been made: the linked fragments. */
-typedef struct iso_line_engine {
-    iso_status (*draw)(void *context, const iso_pullpush_params *params, iso_error *error);
-    void *context;
-} iso_line_engine;
-
-/* iso_draw_pyramid_lines (lines.h) by that engine; NULL: by the cpu. (pullpush.c) */
-iso_status iso_draw_pyramid_lines_by(const iso_line_engine *engine, const iso_target *target,
+/* iso_draw_pyramid_lines (lines.h) by an engine, which gets linked fragments; NULL: by the cpu.
+ * (pullpush.c) */
+iso_status iso_draw_pyramid_lines_by(const iso_pyramid_engine *engine, const iso_target *target,
                                      const iso_pyramid_lines *lines, iso_pullpush *workspace,
                                      iso_error *error);
 

@@ -43,11 +43,11 @@ typedef struct pullpush_call {
     const iso_pullpush_steps *steps;
     iso_projector projector;
     iso_point_blocks *blocks;
-    iso_line_frame *lines;          /* NULL: points are drawn, with their blocks */
-    const iso_line_engine *engine;  /* of lines; NULL: the cpu */
-    iso_polygons *polygons;         /* NULL, or triangles that are drawn with the points */
-    iso_sets_frame *sets;           /* NULL, or all that is drawn */
-    const iso_pullpush_keys *given; /* NULL, or the keys of all points, which are not projected then */
+    iso_line_frame *lines;            /* NULL: points are drawn, with their blocks */
+    const iso_pyramid_engine *engine; /* of lines and sets; NULL: the cpu */
+    iso_polygons *polygons;           /* NULL, or triangles that are drawn with the points */
+    iso_sets_frame *sets;             /* NULL, or all that is drawn */
+    const iso_pullpush_keys *given;   /* NULL, or the keys of all points, which are not projected then */
     iso_pyramid *pyramid;
     iso_point_projection projection;
     iso_pullpush_params params;
@@ -157,7 +157,10 @@ static iso_status prepare_pyramid(pullpush_call *call, iso_error *error) {
     call->projection.pyramid = call->pyramid;
     call->params = iso_pullpush_params_make(&layout, &call->projector, call->points->radius,
                                             call->points->dims, call->reconstruction, !cull);
-    if (call->pyramid->index) call->params.radii = call->points->radii;
+    if (call->pyramid->index) {
+        call->params.radii = call->points->radii;
+        call->params.colors = call->points->colors;
+    }
     call->params.pyramid = call->pyramid;
     call->params.target = call->target;
     if (call->polygons) ISO_TRY(iso_polygons_rasterize(call->polygons, call->target, &layout, error));
@@ -174,6 +177,7 @@ static iso_status prepare_sets(pullpush_call *call, iso_error *error) {
     call->params.pyramid = call->pyramid;
     call->params.target = call->target;
     call->params.least_radius = LEAST_RADIUS;
+    if (call->engine) call->band_levels = 0; /* it pulls */
     return iso_sets_frame_prepare(call->sets, call->target, call->pyramid, call->band_rows, error);
 }
 
@@ -208,6 +212,12 @@ static void empty_keys(const iso_pyramid *p, iso_rows rows) {
         }
 }
 
+/* Notes that any of the keys of rows may be used: pull, which knows, is another engine's. */
+static void use_all_keys(const iso_pyramid *p, iso_rows rows) {
+    const size_t pieces = p->key_stride / ISO_KEY_PIECE;
+    for (int y = rows.first / 2; y <= rows.last / 2; y++) memset(p->used + (size_t)y * pieces, 1, pieces);
+}
+
 /* Copies the keys of rows of the pyramid's base level, and gives them their sign. */
 static void copy_keys(const pullpush_call *call, iso_rows rows) {
     const iso_pyramid *p = call->pyramid;
@@ -229,6 +239,7 @@ static void project_band(const pullpush_call *call, size_t band, iso_rows rows) 
     }
     if (call->sets) {
         iso_set_fragments_project(call->sets, p, band, rows);
+        if (call->engine) use_all_keys(p, rows);
         return;
     }
     if (call->lines) {
@@ -272,6 +283,7 @@ static void project_and_pull_band(void *context, size_t band, int worker) {
     iso_rows rows = rows_within((int)band * call->band_rows, call->band_rows, p->level[base].height);
     project_band(call, band, rows);
     if (call->lines) return;
+    if (call->sets && call->engine) return;
     if (p->index && !call->sets) fetch_attributes(call, rows);
     if (base > 0) call->steps->unpack_keys(&call->params, rows);
     for (int i = 1; i <= call->band_levels; i++) {
@@ -502,7 +514,7 @@ iso_status iso_draw_points_and_polygons(const iso_target *target, const iso_poin
     return draw_surface(target, points, polygons, &opts, error);
 }
 
-iso_status iso_draw_pyramid_lines_by(const iso_line_engine *engine, const iso_target *target,
+iso_status iso_draw_pyramid_lines_by(const iso_pyramid_engine *engine, const iso_target *target,
                                      const iso_pyramid_lines *lines, iso_pullpush *workspace,
                                      iso_error *error) {
     const iso_transform world = iso_transform_identity();
@@ -528,25 +540,34 @@ iso_status iso_draw_pyramid_lines(const iso_target *target, const iso_pyramid_li
     return iso_draw_pyramid_lines_by(NULL, target, lines, workspace, error);
 }
 
-static iso_status draw_sets(const iso_target *target, iso_sets_frame *frame,
+static iso_status draw_sets(const iso_pyramid_engine *engine, const iso_target *target, iso_sets_frame *frame,
                             iso_reconstruction reconstruction, iso_pyramid *pyramid, iso_error *error) {
-    pullpush_call call = {
-        .sets = frame, .reconstruction = reconstruction, .projector = frame->projector, .pyramid = pyramid};
+    pullpush_call call = {.sets = frame,
+                          .engine = engine,
+                          .reconstruction = reconstruction,
+                          .projector = frame->projector,
+                          .pyramid = pyramid};
     if (frame->radius[0] > frame->radius[1] && !frame->polygons.count) return ISO_OK;
     if (frame->colored) ISO_TRY(iso_gbuffer_add_color(target->gbuffer, error));
     return draw_strips(&call, target, error);
 }
 
-iso_status iso_draw_pyramid_sets(const iso_target *target, const iso_pyramid_set *sets, size_t count,
-                                 const iso_pullpush_opts *opts, iso_error *error) {
+iso_status iso_draw_pyramid_sets_by(const iso_pyramid_engine *engine, const iso_target *target,
+                                    const iso_pyramid_set *sets, size_t count, const iso_pullpush_opts *opts,
+                                    iso_error *error) {
     iso_pullpush once = {0};
     iso_sets_frame frame;
     iso_status status = iso_sets_frame_make(sets, count, target, &frame, error);
     if (status == ISO_OK)
         status =
-            draw_sets(target, &frame, opts ? opts->reconstruction : ISO_RECONSTRUCTION_GAUSSIAN,
+            draw_sets(engine, target, &frame, opts ? opts->reconstruction : ISO_RECONSTRUCTION_GAUSSIAN,
                       opts && opts->workspace ? &opts->workspace->line_pyramid : &once.line_pyramid, error);
     iso_sets_frame_free(&frame);
     iso_pyramid_free(&once.line_pyramid);
     return status;
+}
+
+iso_status iso_draw_pyramid_sets(const iso_target *target, const iso_pyramid_set *sets, size_t count,
+                                 const iso_pullpush_opts *opts, iso_error *error) {
+    return iso_draw_pyramid_sets_by(NULL, target, sets, count, opts, error);
 }

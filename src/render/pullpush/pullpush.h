@@ -13,9 +13,10 @@
  * that hold all averaged ones; the ellipse test of pull is made with ellipses half a coarser pixel wider, and
  * not into level 1, because without that front surfaces lose thin discs; discs end at the grid's border; and
  * gaps between ellipses, with values all around, are filled (gaps_simd.h). In the picture, samples in gaps,
- * and those beside the disc of their own pixel's point, need a point whose disc contains them
- * (finish_simd.h). Line fragments and several sets in one pyramid keep the paper's intervals, have no ellipse
- * test in pull, and gaps are not filled.
+ * and those beside the disc of their own pixel's point, need a point whose disc contains them, and samples
+ * without a value beside the surface show the nearest disc that they meet (rims; finish_simd.h). Line
+ * fragments and several sets in one pyramid keep the paper's intervals, have no ellipse test in pull, and
+ * gaps are not filled.
  *
  * Back-facing points are left out when the set is closed and the eye is outside the box around it.
  * Otherwise they are drawn too; their normals are not flipped and point out of the solid. */

@@ -39,6 +39,12 @@ void iso_sets_frame_free(iso_sets_frame *frame);
 iso_status iso_sets_frame_prepare(iso_sets_frame *frame, const iso_target *strip, const iso_pyramid *pyramid,
                                   int band_rows, iso_error *error);
 
+/* iso_draw_pyramid_sets (sets.h) by an engine, which gets keys and planes of level 0; NULL: by the cpu.
+ * (pullpush.c) */
+iso_status iso_draw_pyramid_sets_by(const iso_pyramid_engine *engine, const iso_target *target,
+                                    const iso_pyramid_set *sets, size_t count, const iso_pullpush_opts *opts,
+                                    iso_error *error);
+
 /* Writes the fragments of a band, rows of level 0: keys and the optional planes. */
 void iso_set_fragments_project(const iso_sets_frame *frame, const iso_pyramid *pyramid, size_t band,
                                iso_rows rows);
