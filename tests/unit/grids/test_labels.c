@@ -54,23 +54,23 @@ typedef struct labelled {
     iso_label_fields *fields;
 } labelled;
 
-/* Makes fields of voxels; each label its own group. */
-static labelled make_fields(const uint16_t *voxels, const int dims[3], iso_pool *pool, bool one_group) {
-    labelled l = {0};
+/* Makes fields of voxels; each label its own group. (They borrow the labels: *l must stay where it is.) */
+static void make_fields(const uint16_t *voxels, const int dims[3], iso_pool *pool, bool one_group,
+                        labelled *l) {
     iso_error error = {0};
     iso_grid grid = {0};
     const iso_rgrid_desc desc = {
         .dims = {dims[0], dims[1], dims[2]}, .type = ISO_UINT16, .data = (void *)(uintptr_t)voxels};
     assert_int_equal(iso_rgrid_create(&desc, &grid.rgrid, &error), ISO_OK);
-    assert_int_equal(iso_labels_make(&grid, pool, &l.labels, &error), ISO_OK);
+    assert_int_equal(iso_labels_make(&grid, pool, &l->labels, &error), ISO_OK);
     iso_grid_destroy(&grid);
-    uint8_t *group = calloc((size_t)l.labels.count, 1);
-    for (int i = 1; i < l.labels.count; i++) group[i] = one_group ? 1 : (uint8_t)i;
-    assert_int_equal(iso_label_fields_make(&l.labels, group, one_group ? 1 : l.labels.count - 1, one_group,
-                                           pool, &l.fields, &error),
+    uint8_t *group = calloc((size_t)l->labels.count, 1);
+    for (int i = 1; i < l->labels.count; i++) group[i] = one_group ? 1 : (uint8_t)i;
+    assert_int_equal(iso_label_fields_make(&l->labels, group, one_group ? 1 : l->labels.count - 1,
+                                           one_group ? ISO_LABELS_INSIDE : ISO_LABELS_DRAWN, pool, &l->fields,
+                                           &error),
                      ISO_OK);
     free(group);
-    return l;
 }
 
 static void free_fields(labelled *l) {
@@ -135,7 +135,8 @@ static void measure_at(const shape *s, iso_vec3 c, errors *e, size_t *rays, doub
             for (int x = 0; x < SIDE; x++)
                 voxels[place_of(x, y, z)] =
                     s->distance(iso_vec3_sub(iso_vec3_make(x, y, z), c), s->size) < 0 ? 7 : 0;
-    labelled l = make_fields(voxels, dims, NULL, false);
+    labelled l;
+    make_fields(voxels, dims, NULL, false, &l);
     const iso_grid grid = {.hgrid = iso_label_fields_grid(l.fields, 1)};
     for (int z = 0; z < SIDE; z++)
         for (int y = 0; y < SIDE; y++)
@@ -271,7 +272,9 @@ static void no_voxel_changes(void **state) {
     (void)state;
     const int dims[3] = {SIDE, SIDE, SIDE};
     uint16_t *voxels = make_organs();
-    labelled one = make_fields(voxels, dims, NULL, true), each = make_fields(voxels, dims, NULL, false);
+    labelled one, each;
+    make_fields(voxels, dims, NULL, true, &one);
+    make_fields(voxels, dims, NULL, false, &each);
     uint8_t ones[16], all[16];
     assert_true(one.labels.count <= 16);
     for (int i = 0; i < one.labels.count; i++) ones[i] = i > 0, all[i] = (uint8_t)i;
@@ -287,7 +290,9 @@ static void places_have_one_label(void **state) {
     (void)state;
     const int dims[3] = {SIDE, SIDE, SIDE};
     uint16_t *voxels = make_organs();
-    labelled one = make_fields(voxels, dims, NULL, true), each = make_fields(voxels, dims, NULL, false);
+    labelled one, each;
+    make_fields(voxels, dims, NULL, true, &one);
+    make_fields(voxels, dims, NULL, false, &each);
     const iso_grid solid = {.hgrid = iso_label_fields_grid(one.fields, 1)};
     uint32_t random = 5;
     int inside = 0, overlaps = 0, other = 0, gaps = 0;
@@ -340,7 +345,8 @@ static uint64_t hash_organs(const uint16_t *voxels, int threads, iso_cpu_level l
     iso_pool *pool;
     test_ok(iso_pool_create(threads, &pool, &error), &error);
     iso_cpu_limit(level);
-    labelled l = make_fields(voxels, dims, pool, false);
+    labelled l;
+    make_fields(voxels, dims, pool, false, &l);
     uint64_t hash = 0;
     for (int g = 1; g < l.labels.count; g++) hash = hash * 31 + hash_grid(iso_label_fields_grid(l.fields, g));
     free_fields(&l);
