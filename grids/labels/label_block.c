@@ -148,7 +148,7 @@ static void find_groups(const label_block *b) {
             uint16_t *to = b->s->groups + index_in(b->size, 0, y, z);
             for (int x = 0, end; x < b->size[0]; x = end) {
                 end = iso_label_run_end(row, x, b->size[0]);
-                for (int i = x; i < end; i++) to[i] = group[row[x]];
+                iso_label_fill(to, x, end, group[row[x]]);
             }
         }
 }

@@ -23,7 +23,7 @@ static inline int iso_label_run_end(const uint16_t *row, int x, int n) {
     const uint16_t label = row[x];
     const uint64_t four = label * (uint64_t)0x0001000100010001;
     uint64_t next[4];
-    for (x++; x + 16 <= n; x += 16) {
+    for (; x + 16 <= n; x += 16) {
         memcpy(next, row + x, sizeof next);
         if (((next[0] ^ four) | (next[1] ^ four)) | ((next[2] ^ four) | (next[3] ^ four))) break;
     }
