@@ -51,7 +51,7 @@ typedef struct block_memory {
     float *distance, *work, *field, *narrowed;
     float *kept; /* fields and distances of labels */
     size_t kept_count;
-    uint16_t *groups; /* of the voxels of the block's fields and of one more behind them on each axis */
+    uint16_t *groups; /* of the voxels of the block's fields */
     /* Sets of voxels of the rows of the block's fields: */
     uint64_t *cells;          /* the first corners of cells that a surface passes, and of those beside them */
     uint64_t *marked;         /* corners of such cells that have several labels */
