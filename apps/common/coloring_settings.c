@@ -6,8 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "apps/common/loader.h"
 #include "apps/common/value_path.h"
+#include "base/file_types.h"
 #include "base/parse.h"
 
 iso_status iso_colormap_choice_parse(const char *value, iso_colormap_choice *map, iso_error *error) {
@@ -115,5 +115,30 @@ iso_status iso_coloring_settings_parse(const char *value, iso_coloring_settings 
     ISO_TRY(take_file(value, &whole, coloring, error));
     if (whole.begin && coloring->rest[0] && !iso_parse_real(coloring->rest, &coloring->isovalue))
         return iso_fail(error, ISO_ERR_USAGE, "'%s' is not distance:FILE or distance:FILE:ISOVALUE", value);
+    return ISO_OK;
+}
+
+bool iso_coloring_settings_is_from_mesh(const iso_coloring_settings *settings) {
+    const unsigned holds = ISO_HOLDS_MESH | ISO_HOLDS_VOLUME;
+    if (settings->source != ISO_COLOR_BY_DISTANCE || iso_loader_is_scene(settings->path)) return false;
+    const iso_file_type type = iso_file_type_find(settings->path, holds);
+    return type != ISO_FILE_UNKNOWN && (iso_file_type_holds(type) & ISO_HOLDS_MESH);
+}
+
+iso_status iso_coloring_settings_isovalue(const iso_coloring_settings *settings, iso_loader *loader,
+                                          double *isovalue, bool *chosen, iso_error *error) {
+    const iso_grid *grid = &loader->volume.grid;
+    double candidates[ISO_ISOVALUE_CANDIDATES];
+    *chosen = false;
+    *isovalue = settings->isovalue;
+    if (!isnan(*isovalue)) return iso_isovalue_check(grid, *isovalue, error);
+    *isovalue = loader->scene_isovalue;
+    if (!isnan(*isovalue)) return ISO_OK;
+    ISO_TRY(iso_loader_histogram(loader, error));
+    if (!iso_isovalue_suggest(grid, &loader->histogram, candidates))
+        return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
+                        loader->histogram.minimum);
+    *isovalue = candidates[0];
+    *chosen = true;
     return ISO_OK;
 }

@@ -3,6 +3,7 @@
 #ifndef ISO_APPS_COMMON_COLORING_SETTINGS_H
 #define ISO_APPS_COMMON_COLORING_SETTINGS_H
 
+#include "apps/common/loader.h"
 #include "base/unit.h"
 #include "scene/coloring.h"
 #include "scene/cuts.h"
@@ -37,6 +38,15 @@ typedef struct iso_coloring_settings {
 /* Parses VOLUME[:ARRAY], curvature, distance:FILE[:ISOVALUE], depth or normal, with @N,.. behind it.
  * ISO_ERR_USAGE. */
 iso_status iso_coloring_settings_parse(const char *value, iso_coloring_settings *coloring, iso_error *error);
+
+/* Whether distances are from a mesh; else they are from a volume's isosurface. */
+bool iso_coloring_settings_is_from_mesh(const iso_coloring_settings *settings);
+
+/* The isovalue of the volume that distances are from, which has been read: the one given, a scene's own, or
+ * one that is chosen, *chosen. ISO_ERR_USAGE: not one of the volume's values; ISO_ERR_EMPTY: it is constant;
+ * errors of iso_loader_histogram. */
+iso_status iso_coloring_settings_isovalue(const iso_coloring_settings *settings, iso_loader *loader,
+                                          double *isovalue, bool *chosen, iso_error *error);
 
 /* Sets the title of a bar: the name of what is shown, with its unit. */
 void iso_coloring_settings_title(const iso_coloring_settings *settings, iso_world_unit world,

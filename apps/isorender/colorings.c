@@ -100,14 +100,6 @@ static iso_status named(const char *path, iso_status status, iso_error *error) {
     return iso_fail(error, status, "%s: %s", path, text);
 }
 
-/* Whether distances are from a mesh. */
-static bool is_mesh(const iso_coloring_settings *settings) {
-    return settings->source == ISO_COLOR_BY_DISTANCE && !iso_loader_is_scene(settings->path) &&
-           iso_file_type_find(settings->path, ISO_HOLDS_MESH | ISO_HOLDS_VOLUME) != ISO_FILE_UNKNOWN &&
-           iso_file_type_holds(iso_file_type_find(settings->path, ISO_HOLDS_MESH | ISO_HOLDS_VOLUME)) &
-               ISO_HOLDS_MESH;
-}
-
 /* Whether the file has numbers of a mesh's vertices. */
 static bool is_vertices(const iso_coloring_settings *settings) {
     const unsigned holds = ISO_HOLDS_VOLUME | ISO_HOLDS_VALUES;
@@ -119,7 +111,7 @@ static iso_status open_source(isorender_job *job, color_source *source, iso_erro
     const iso_coloring_settings *settings = source->settings;
     const bool distance = settings->source == ISO_COLOR_BY_DISTANCE;
     if (!settings->path[0]) return ISO_OK;
-    if (is_mesh(settings)) {
+    if (iso_coloring_settings_is_from_mesh(settings)) {
         iso_file_set_read(job->plan->files, settings->path);
         return settings->rest[0]
                    ? iso_fail(error, ISO_ERR_USAGE, "a mesh has no isovalue: %s", settings->text)
@@ -159,19 +151,12 @@ iso_status isorender_colorings_open(isorender_job *job, iso_error *error) {
 /* The isovalue of a volume that distances are from, as that of a further volume. */
 static iso_status choose_isovalue(const isorender_job *job, color_source *source, iso_error *error) {
     iso_loader *loader = &source->loader;
-    const iso_grid *grid = &loader->volume.grid;
-    double candidates[ISO_ISOVALUE_CANDIDATES];
-    source->isovalue = source->settings->isovalue;
-    if (!isnan(source->isovalue)) return iso_isovalue_check(grid, source->isovalue, error);
-    source->isovalue = loader->scene_isovalue;
-    if (!isnan(source->isovalue)) return ISO_OK;
-    ISO_TRY(iso_loader_histogram(loader, error));
-    if (!iso_isovalue_suggest(grid, &loader->histogram, candidates))
-        return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
-                        loader->histogram.minimum);
-    source->isovalue = candidates[0];
-    isorender_log(job, "%s: distances from isovalue %g (%s); distance:FILE:ISOVALUE sets it", loader->input,
-                  candidates[0], iso_grid_is_level_set(grid) ? "a level set" : "Otsu's threshold, 1979");
+    bool chosen;
+    ISO_TRY(iso_coloring_settings_isovalue(source->settings, loader, &source->isovalue, &chosen, error));
+    if (chosen)
+        isorender_log(job, "%s: distances from isovalue %g (%s); distance:FILE:ISOVALUE sets it",
+                      loader->input, source->isovalue,
+                      iso_grid_is_level_set(&loader->volume.grid) ? "a level set" : "Otsu's threshold, 1979");
     return ISO_OK;
 }
 

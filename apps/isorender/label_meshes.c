@@ -43,7 +43,7 @@ static iso_status mesh_batch(const meshing *m, const batch *b, uint8_t *group, i
     iso_label_fields *fields = NULL;
     memset(group, 0, (size_t)labels->count);
     for (int i = 0; i < b->count; i++) group[b->label[i]] = (uint8_t)(i + 1);
-    ISO_TRY(iso_label_fields_make(labels, group, b->count, false, m->job->pool, &fields, error));
+    ISO_TRY(iso_label_fields_make(labels, group, b->count, ISO_LABELS_DRAWN, m->job->pool, &fields, error));
     iso_status status = ISO_OK;
     for (int i = 0; i < b->count && status == ISO_OK; i++)
         status = make_mesh(m, fields, i + 1, b->label[i], error);

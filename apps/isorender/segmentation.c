@@ -267,23 +267,28 @@ static iso_status check_plateaus(const isorender_job *job, const isorender_segme
                                  iso_error *error) {
     enum { FEW = 64 };
     const iso_labels *labels = &s->labels;
-    const size_t width = (size_t)labels->dims[0],
-                 count = width * (size_t)labels->dims[1] * (size_t)labels->dims[2];
-    size_t pairs = 0, equal = 0;
+    uint64_t pairs = 0, equal = 0;
     if (labels->count <= FEW || job->settings->label_items.count || job->settings->label_table ||
         s->stated.count)
         return ISO_OK;
-    for (size_t i = 1; i < count; i++) {
-        const uint16_t a = labels->number[i - 1], b = labels->number[i];
-        if (i % width == 0 || (!a && !b)) continue;
-        pairs++;
-        equal += a == b;
-    }
+    /* (pairs of neighbours that are both background count as none) */
+    pairs = (uint64_t)(labels->dims[0] - 1) * (uint64_t)labels->dims[1] * (uint64_t)labels->dims[2] -
+            (labels->label[0].voxels - labels->label[0].runs);
+    for (int i = 1; i < labels->count; i++) equal += labels->label[i].voxels - labels->label[i].runs;
     if (2 * equal >= pairs) return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE,
                     "these are %d values of which neighbours mostly differ, as in a scan, not labels: its "
                     "surface is drawn without %s (--label all draws each value as a label all the same)",
                     labels->count - 1, job->settings->smooth ? "--smooth" : "--labels");
+}
+
+/* Where the labels' surfaces are smooth. */
+static int places_of(const isorender_job *job) {
+    const int inside = isorender_has_caps(job->settings) ? ISO_LABELS_INSIDE : ISO_LABELS_DRAWN;
+    const bool trilinear = job->method == ISO_METHOD_EXACT || job->method == ISO_METHOD_RAYCAST ||
+                           job->method == ISO_METHOD_MESH;
+    const bool drawn = trilinear && !job->settings->filter && !job->settings->coloring_count;
+    return inside + (drawn ? ISO_LABELS_DRAWN : ISO_LABELS_BAND);
 }
 
 static iso_status make_surfaces(isorender_job *job, isorender_segmentation *s, iso_error *error) {
@@ -300,8 +305,8 @@ static iso_status make_surfaces(isorender_job *job, isorender_segmentation *s, i
         return iso_fail(error, ISO_ERR_USAGE,
                         "%d translucent labels: up to %d have surfaces of their own; opaque ones share one",
                         groups, most < ISO_LABEL_GROUPS ? most : ISO_LABEL_GROUPS);
-    ISO_TRY(iso_label_fields_make(&s->labels, s->group, groups, isorender_has_caps(job->settings), job->pool,
-                                  &s->fields, error));
+    ISO_TRY(
+        iso_label_fields_make(&s->labels, s->group, groups, places_of(job), job->pool, &s->fields, error));
     for (int g = 1; g <= groups; g++) add_surface(job, s, g);
     return isorender_label_table_write(job, error);
 }

@@ -8,14 +8,14 @@
 #define ISO_LABEL_BAND 5.0f /* the level sets' clamp, voxels, and what fields are where they are not known */
 
 typedef struct iso_label_value {
-    uint16_t label;
+    uint16_t label, x; /* of its voxel in the brick */
     float value;
 } iso_label_value;
 
 /* The fields, at the voxels of a brick, of the labels that can be the greatest near them: of the voxels next
  * to which there are at least two labels of one group. */
 typedef struct iso_label_candidates {
-    uint32_t start[ISO_BRICK_VOXELS + 1];
+    uint32_t start[ISO_BRICK * ISO_BRICK + 1]; /* of rows, along x */
     iso_label_value entry[];
 } iso_label_candidates;
 
@@ -28,7 +28,8 @@ struct iso_label_fields {
     size_t brick_count;
     iso_hgrid *grid[ISO_LABEL_GROUPS + 1]; /* from 1 */
     uint64_t *own_groups, *near_groups;    /* of each brick: the groups in it; within reach */
-    bool inside;                           /* as in iso_label_fields_make */
+    int places;                            /* as in iso_label_fields_make */
+    bool has_undrawn;                      /* some label but the background is not drawn */
     bool *smoothed;                        /* of each brick: labels change in or near it */
     iso_label_candidates **candidates;     /* of each brick, or NULL */
 };

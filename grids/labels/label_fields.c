@@ -20,12 +20,14 @@ static inline int group_at(const iso_label_fields *f, int x, int y, int z) {
     return f->group[iso_labels_at(f->labels, x - b, y - b, z - b)];
 }
 
-/* The set of groups, as bits, of the voxels lo .. hi. *mixed: whether they have several labels. */
-static uint64_t groups_in(const iso_label_fields *f, const int lo[3], const int hi[3], bool *mixed) {
+/* The set of groups, as bits, of the voxels lo .. hi. *mixed: whether they have several labels. Stops when it
+ * has found all of `most`; mixed may be NULL. */
+static uint64_t groups_in(const iso_label_fields *f, const int lo[3], const int hi[3], uint64_t most,
+                          bool *mixed) {
     const iso_labels *labels = f->labels;
     uint64_t set = 0;
     int a[3], b[3], first = -1;
-    *mixed = false;
+    if (mixed) *mixed = false;
     for (int k = 0; k < 3; k++) {
         a[k] = lo[k] - ISO_LABEL_BORDER;
         b[k] = hi[k] - ISO_LABEL_BORDER;
@@ -34,17 +36,14 @@ static uint64_t groups_in(const iso_label_fields *f, const int lo[3], const int 
         b[k] = b[k] >= labels->dims[k] ? labels->dims[k] - 1 : b[k];
         if (a[k] > b[k]) return 1;
     }
-    for (int z = a[2]; z <= b[2]; z++)
+    for (int z = a[2]; z <= b[2] && set != most; z++)
         for (int y = a[1]; y <= b[1]; y++) {
             const uint16_t *row =
                 labels->number + ((size_t)z * (size_t)labels->dims[1] + (size_t)y) * (size_t)labels->dims[0];
-            int last = -1;
-            for (int x = a[0]; x <= b[0]; x++) {
-                if (row[x] == last) continue;
-                last = row[x];
-                set |= 1ull << f->group[last];
-                if (first < 0) first = last;
-                *mixed |= first != last;
+            for (int x = a[0]; x <= b[0]; x = iso_label_run_end(row, x, b[0] + 1)) {
+                set |= 1ull << f->group[row[x]];
+                if (first < 0) first = row[x];
+                if (mixed) *mixed |= first != row[x];
             }
         }
     return set;
@@ -61,9 +60,8 @@ static void find_own_groups(void *context, size_t brick, int worker) {
     iso_label_fields *f = context;
     int at[3], lo[3], hi[3];
     brick_at(f, brick, at);
-    bool mixed;
     for (int k = 0; k < 3; k++) lo[k] = ISO_BRICK * at[k], hi[k] = lo[k] + ISO_BRICK - 1;
-    f->own_groups[brick] = groups_in(f, lo, hi, &mixed);
+    f->own_groups[brick] = groups_in(f, lo, hi, UINT64_MAX, NULL);
 }
 
 /* The groups of a brick and all its neighbours. */
@@ -91,11 +89,17 @@ static void find_groups(void *context, size_t brick, int worker) {
     int at[3], lo[3], hi[3];
     brick_at(f, brick, at);
     f->near_groups[brick] = groups_around(f, at);
-    if (is_single(f->near_groups[brick]) && !f->inside) return;
+    const bool inside = f->places & ISO_LABELS_INSIDE;
+    if (is_single(f->near_groups[brick]) && !inside) return;
+    if (f->own_groups[brick] == f->near_groups[brick] && !inside) {
+        f->smoothed[brick] = true;
+        return;
+    }
     for (int k = 0; k < 3; k++) lo[k] = ISO_BRICK * at[k] - REACH, hi[k] = lo[k] + ISO_BRICK + 2 * REACH - 1;
-    bool mixed;
-    f->near_groups[brick] = groups_in(f, lo, hi, &mixed);
-    f->smoothed[brick] = !is_single(f->near_groups[brick]) || (f->inside && mixed);
+    bool mixed = false;
+    f->near_groups[brick] =
+        groups_in(f, lo, hi, inside ? UINT64_MAX : f->near_groups[brick], inside ? &mixed : NULL);
+    f->smoothed[brick] = !is_single(f->near_groups[brick]) || (inside && mixed);
 }
 
 /* Gives the cells of all level sets bricks, or makes them empty. */
@@ -146,7 +150,10 @@ static iso_status make_fields(iso_label_fields *f, const uint8_t *group, iso_poo
     if (!f->group) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
     memcpy(f->group, group, count);
     f->group[0] = 0;
-    for (size_t i = 1; i < count; i++) f->labels_in_group[f->group[i]]++;
+    for (size_t i = 1; i < count; i++) {
+        f->labels_in_group[f->group[i]]++;
+        f->has_undrawn |= f->group[i] == 0;
+    }
     ISO_TRY(make_grids(f, error));
     iso_parallel_for(pool, f->brick_count, find_own_groups, f);
     iso_parallel_for(pool, f->brick_count, find_groups, f);
@@ -154,13 +161,13 @@ static iso_status make_fields(iso_label_fields *f, const uint8_t *group, iso_poo
     return iso_label_blocks_smooth(f, pool, error);
 }
 
-iso_status iso_label_fields_make(const iso_labels *labels, const uint8_t *group, int group_count, bool inside,
+iso_status iso_label_fields_make(const iso_labels *labels, const uint8_t *group, int group_count, int places,
                                  iso_pool *pool, iso_label_fields **fields, iso_error *error) {
     iso_label_fields *f = iso_alloc_zero(1, sizeof *f);
     if (!f) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
     f->labels = labels;
     f->group_count = group_count;
-    f->inside = inside;
+    f->places = places;
     const iso_status status = make_fields(f, group, pool, error);
     if (status != ISO_OK)
         iso_label_fields_destroy(f);
@@ -194,26 +201,44 @@ static float value_at(const iso_label_fields *f, int label, int x, int y, int z)
         (size_t)(x / ISO_BRICK);
     const iso_label_candidates *c = f->candidates[brick];
     if (!c) return -ISO_LABEL_BAND;
-    const int voxel = (z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK) * ISO_BRICK + x % ISO_BRICK;
-    for (uint32_t i = c->start[voxel]; i < c->start[voxel + 1]; i++)
-        if (c->entry[i].label == label) return c->entry[i].value;
+    const int row = z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK;
+    for (uint32_t i = c->start[row]; i < c->start[row + 1]; i++)
+        if (c->entry[i].x == x % ISO_BRICK && c->entry[i].label == label) return c->entry[i].value;
     return -ISO_LABEL_BAND;
 }
 
-/* The labels of the group, each once, among the voxels lo .. hi; `most` at most. Returns their number. */
-static int list_labels(const iso_label_fields *f, int group, const int lo[3], const int hi[3], int most,
-                       int labels[]) {
-    int count = 0;
-    for (int z = lo[2]; z <= hi[2]; z++)
-        for (int y = lo[1]; y <= hi[1]; y++)
-            for (int x = lo[0]; x <= hi[0]; x++) {
-                const int b = ISO_LABEL_BORDER, label = iso_labels_at(f->labels, x - b, y - b, z - b);
-                if (f->group[label] != group) continue;
-                int i = 0;
-                while (i < count && labels[i] != label) i++;
-                if (i == count && count < most) labels[count++] = label;
-            }
-    return count;
+/* The labels of the group, each once, at the corners of a cell. */
+static void list_labels(const iso_label_fields *f, int group, iso_label_cell *cell) {
+    const int *n = f->labels->dims, b = ISO_LABEL_BORDER,
+              at[3] = {cell->lo[0] - b, cell->lo[1] - b, cell->lo[2] - b};
+    const size_t row = (size_t)n[0], slice = row * (size_t)n[1];
+    const bool inside =
+        at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] + 1 < n[0] && at[1] + 1 < n[1] && at[2] + 1 < n[2];
+    const uint16_t *first = f->labels->number;
+    if (inside) first += (size_t)at[2] * slice + (size_t)at[1] * row + (size_t)at[0];
+    cell->count = 0;
+    int last = 0;
+    for (size_t corner = 0; corner < 8; corner++) {
+        const size_t x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+        const int label = inside ? first[z * slice + y * row + x]
+                                 : iso_labels_at(f->labels, at[0] + (int)x, at[1] + (int)y, at[2] + (int)z);
+        if (label == last || f->group[label] != group) continue;
+        last = label;
+        int i = 0;
+        while (i < cell->count && cell->labels[i] != label) i++;
+        if (i == cell->count) cell->labels[cell->count++] = label;
+    }
+}
+
+static void look_at_cell(const iso_label_fields *f, int group, const int lo[3], iso_label_cell *cell) {
+    if (cell->known && lo[0] == cell->lo[0] && lo[1] == cell->lo[1] && lo[2] == cell->lo[2]) return;
+    cell->known = true;
+    memcpy(cell->lo, lo, sizeof cell->lo);
+    list_labels(f, group, cell);
+    for (int i = 0; i < cell->count && cell->count > 1; i++)
+        for (int corner = 0; corner < 8; corner++)
+            cell->values[i][corner] = value_at(f, cell->labels[i], lo[0] + (corner & 1),
+                                               lo[1] + (corner >> 1 & 1), lo[2] + (corner >> 2));
 }
 
 /* The label of the group whose nearest voxel is nearest to p; of two, the lower one. */
@@ -235,38 +260,34 @@ static int nearest_label(const iso_label_fields *f, int group, const int cell[3]
 }
 
 int iso_label_fields_at(const iso_label_fields *f, int group, iso_vec3 p) {
-    iso_label_cell cell = {{0, 0, 0}, 0};
+    iso_label_cell cell = {.known = false};
     return iso_label_fields_near(f, group, p, &cell);
 }
 
 int iso_label_fields_near(const iso_label_fields *f, int group, iso_vec3 p, iso_label_cell *cell) {
     const double at[3] = {p.x, p.y, p.z};
-    int lo[3], hi[3], labels[8];
+    int lo[3];
     double t[3];
     for (int k = 0; k < 3; k++) {
         const int most = f->labels->dims[k] + 2 * ISO_LABEL_BORDER - 2;
         lo[k] = at[k] >= most ? most : at[k] > 0 ? (int)at[k] : 0;
-        hi[k] = lo[k] + 1;
         t[k] = at[k] - lo[k];
     }
-    if (cell->label && lo[0] == cell->lo[0] && lo[1] == cell->lo[1] && lo[2] == cell->lo[2])
-        return cell->label;
-    const int count = list_labels(f, group, lo, hi, 8, labels);
-    *cell = (iso_label_cell){{lo[0], lo[1], lo[2]}, count == 1 ? labels[0] : 0};
-    if (count == 0) return nearest_label(f, group, lo, p);
-    if (count == 1) return labels[0];
+    look_at_cell(f, group, lo, cell);
+    if (cell->count == 0) return nearest_label(f, group, lo, p);
+    if (cell->count == 1) return cell->labels[0];
     int best = 0;
     double most = -INFINITY;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < cell->count; i++) {
         double value = 0;
         for (int corner = 0; corner < 8; corner++) {
             const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2;
             value += (dx ? t[0] : 1 - t[0]) * (dy ? t[1] : 1 - t[1]) * (dz ? t[2] : 1 - t[2]) *
-                     (double)value_at(f, labels[i], lo[0] + dx, lo[1] + dy, lo[2] + dz);
+                     (double)cell->values[i][corner];
         }
-        if (value < most || (value == most && labels[i] > best)) continue;
+        if (value < most || (value == most && cell->labels[i] > best)) continue;
         most = value;
-        best = labels[i];
+        best = cell->labels[i];
     }
     return best;
 }

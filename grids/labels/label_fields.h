@@ -22,13 +22,19 @@ enum {
 
 typedef struct iso_label_fields iso_label_fields;
 
+/* Where the level sets are smooth; elsewhere they are -ISO_LABEL_BAND or ISO_LABEL_BAND. */
+typedef enum iso_label_places {
+    ISO_LABELS_DRAWN = 0,  /* at cells with a surface and the voxels around them: for trilinear surfaces and
+                             their gradients */
+    ISO_LABELS_INSIDE = 1, /* and where labels border on each other inside of solids: for caps */
+    ISO_LABELS_BAND = 2    /* and at all voxels of bricks near a surface: for all else */
+} iso_label_places;
+
 /* group: of each label of `labels`, 1 .. group_count; 0: it is not drawn and counts as background, as the
- * background itself does. inside: also the borders of labels inside of a group's solid are smooth, for caps;
- * else only where its surface is. `labels` is borrowed until iso_label_fields_destroy. ISO_ERR_LIMIT: the
- * volume has
- * more than ISO_HGRID_MAX - 2 voxels along an axis; ISO_ERR_NOMEM. The same fields for any number of threads
- * and instruction set. */
-iso_status iso_label_fields_make(const iso_labels *labels, const uint8_t *group, int group_count, bool inside,
+ * background itself does. places: the sum of some. `labels` is borrowed until iso_label_fields_destroy, and
+ * must stay where it is. ISO_ERR_LIMIT: the volume has more than ISO_HGRID_MAX - 2 voxels along an axis;
+ * ISO_ERR_NOMEM. The same fields for any number of threads and instruction set. */
+iso_status iso_label_fields_make(const iso_labels *labels, const uint8_t *group, int group_count, int places,
                                  iso_pool *pool, iso_label_fields **fields, iso_error *error);
 void iso_label_fields_destroy(iso_label_fields *fields);
 
@@ -38,8 +44,10 @@ iso_hgrid *iso_label_fields_grid(const iso_label_fields *fields, int group);
 
 /* The cell that was looked at last, for lookups at places beside each other. Zero-initialise. */
 typedef struct iso_label_cell {
+    bool known;
     int lo[3];
-    int label; /* of all its corners that belong to the group; 0: there are several, or none */
+    int count, labels[8]; /* of its corners that belong to the group, each once */
+    float values[8][8];   /* their fields at the corners, if there are several */
 } iso_label_cell;
 
 /* The label of a place of a group's solid, in index coordinates of its level set: the one with the greatest

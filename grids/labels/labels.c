@@ -23,6 +23,20 @@ static uint16_t *row_of(const iso_labels *labels, int y, int z) {
     return labels->number + ((size_t)z * (size_t)labels->dims[1] + (size_t)y) * (size_t)labels->dims[0];
 }
 
+/* (Runs of one value are found and written 16 voxels at a time.) */
+static void widen_row(const uint8_t *from, int n, uint16_t *row) {
+    int x = 0;
+    for (; x + 16 <= n; x += 16) {
+        uint64_t eight[2], same = from[x] * UINT64_C(0x0101010101010101);
+        memcpy(eight, from + x, sizeof eight);
+        if (((eight[0] ^ same) | (eight[1] ^ same)) == 0)
+            iso_label_fill(row, x, x + 16, from[x]);
+        else
+            for (int i = 0; i < 16; i++) row[x + i] = from[x + i];
+    }
+    for (; x < n; x++) row[x] = from[x];
+}
+
 /* Reads a row as values; returns one that is no label, or NaN. */
 static double read_row(const iso_rgrid *grid, int y, int z, uint16_t *row) {
     const ptrdiff_t first = y * grid->stride_y + z * grid->stride_z;
@@ -31,7 +45,7 @@ static double read_row(const iso_rgrid *grid, int y, int z, uint16_t *row) {
     double bad = NAN;
     if (plain && grid->type == ISO_UINT8) {
         const uint8_t *from = (const uint8_t *)grid->data + first;
-        for (int x = 0; x < n; x++) row[x] = from[x];
+        widen_row(from, n, row);
     } else if (plain && grid->type == ISO_UINT16) {
         memcpy(row, (const uint16_t *)grid->data + first, (size_t)n * sizeof *row);
     } else {
@@ -54,7 +68,8 @@ static void read_slice(void *context, size_t z, int worker) {
         uint16_t *row = row_of(r->labels, y, (int)z);
         const double bad = read_row(r->grid->rgrid, y, (int)z, row);
         if (!isnan(bad)) r->bad[z] = bad;
-        for (int x = 0; x < r->labels->dims[0]; x++) present[row[x]] = 1;
+        for (int x = 0; x < r->labels->dims[0]; x = iso_label_run_end(row, x, r->labels->dims[0]))
+            present[row[x]] = 1;
     }
 }
 
@@ -63,6 +78,7 @@ static void add_run(iso_label *label, int x, int end, int y, int z) {
     const int first[3] = {x, y, z}, last[3] = {end - 1, y, z};
     const uint64_t n = (uint64_t)(end - x);
     label->voxels += n;
+    label->runs++;
     label->sums[0] += (uint64_t)(x + end - 1) * n / 2;
     label->sums[1] += (uint64_t)y * n;
     label->sums[2] += (uint64_t)z * n;
@@ -79,8 +95,9 @@ static void number_slice(void *context, size_t z, int worker) {
     for (int y = 0; y < r->labels->dims[1]; y++) {
         uint16_t *row = row_of(r->labels, y, (int)z);
         for (int x = 0, end; x < n; x = end) {
-            const uint16_t value = row[x], place = r->place[value];
-            for (end = x; end < n && row[end] == value; end++) row[end] = place;
+            const uint16_t place = r->place[row[x]];
+            end = iso_label_run_end(row, x, n);
+            if (place != row[x]) iso_label_fill(row, x, end, place);
             add_run(&found[place], x, end, y, (int)z);
         }
     }
@@ -93,6 +110,7 @@ static void clear_label(iso_label *label, int value) {
 
 static void unite(iso_label *label, const iso_label *other) {
     label->voxels += other->voxels;
+    label->runs += other->runs;
     for (int k = 0; k < 3; k++) {
         label->sums[k] += other->sums[k];
         if (other->lo[k] < label->lo[k]) label->lo[k] = other->lo[k];

@@ -3,6 +3,8 @@
 #ifndef ISO_GRIDS_LABELS_LABELS_H
 #define ISO_GRIDS_LABELS_LABELS_H
 
+#include <string.h>
+
 #include "base/parallel.h"
 #include "grids/grid.h"
 
@@ -11,9 +13,34 @@ enum { ISO_LABEL_VALUE_MAX = 65535 };
 typedef struct iso_label {
     int value;        /* in the file, 0 .. ISO_LABEL_VALUE_MAX */
     uint64_t voxels;  /* how many have it */
+    uint64_t runs;    /* and how many rows of them along x, which nothing interrupts */
     int lo[3], hi[3]; /* the box of these voxels, inclusive; of none: lo > hi */
     uint64_t sums[3]; /* of their index coordinates */
 } iso_label;
+
+/* Where the run of equal numbers that begins at x ends, in a row of n. */
+static inline int iso_label_run_end(const uint16_t *row, int x, int n) {
+    const uint16_t label = row[x];
+    const uint64_t four = label * (uint64_t)0x0001000100010001;
+    uint64_t next[4];
+    for (; x + 16 <= n; x += 16) {
+        memcpy(next, row + x, sizeof next);
+        if (((next[0] ^ four) | (next[1] ^ four)) | ((next[2] ^ four) | (next[3] ^ four))) break;
+    }
+    for (; x + 4 <= n; x += 4) {
+        memcpy(next, row + x, sizeof *next);
+        if (next[0] != four) break;
+    }
+    while (x < n && row[x] == label) x++;
+    return x;
+}
+
+/* Sets the numbers x .. end - 1 of a row. */
+static inline void iso_label_fill(uint16_t *row, int x, int end, uint16_t label) {
+    const uint64_t four[2] = {label * (uint64_t)0x0001000100010001, label * (uint64_t)0x0001000100010001};
+    for (; x + 8 <= end; x += 8) memcpy(row + x, four, sizeof four);
+    for (; x < end; x++) row[x] = label;
+}
 
 /* Zero-initialised it is empty. */
 typedef struct iso_labels {

@@ -4,9 +4,16 @@
 #include <string.h>
 
 #include "base/simd.h"
+#if ISO_LANES > 4
+#include <immintrin.h>
+#endif
 
-/* Bytes from 0 to 127. */
-typedef int8_t byte_lanes __attribute__((vector_size(4 * ISO_LANES)));
+enum { REACH = ISO_LABEL_REACH };
+
+/* ---- bytes from 0 to 255 */
+
+typedef uint8_t byte_lanes __attribute__((vector_size(4 * ISO_LANES)));
+enum { BYTES = sizeof(byte_lanes) };
 
 ISO_INLINE byte_lanes load_bytes(const uint8_t *from) {
     byte_lanes loaded;
@@ -14,115 +21,300 @@ ISO_INLINE byte_lanes load_bytes(const uint8_t *from) {
     return loaded;
 }
 
+ISO_INLINE void store_bytes(uint8_t *to, byte_lanes bytes) {
+    memcpy(to, &bytes, sizeof bytes);
+}
+
 ISO_INLINE byte_lanes least_bytes(byte_lanes a, byte_lanes b) {
+#if ISO_LANES == 16
+    return (byte_lanes)_mm512_min_epu8((__m512i)a, (__m512i)b);
+#elif ISO_LANES == 8
+    return (byte_lanes)_mm256_min_epu8((__m256i)a, (__m256i)b);
+#else
     const byte_lanes less = (byte_lanes)(a < b);
     return (a & less) | (b & ~less);
+#endif
 }
+
+/* ---- sets of a row's voxels */
 
 /* Half as many labels as there are bytes in a vector. */
 typedef uint16_t label_lanes __attribute__((vector_size(4 * ISO_LANES)));
 typedef uint8_t half_byte_lanes __attribute__((vector_size(2 * ISO_LANES)));
 
+ISO_INLINE label_lanes load_labels(const uint16_t *from) {
+    label_lanes loaded;
+    memcpy(&loaded, from, sizeof loaded);
+    return loaded;
+}
+
+/* Which of 2 * ISO_LANES pairs of labels are equal. */
+ISO_INLINE uint64_t equal_labels(label_lanes a, label_lanes b) {
+#if ISO_LANES == 16
+    return _mm512_cmpeq_epu16_mask((__m512i)a, (__m512i)b);
+#else
+    const label_lanes equal = (label_lanes)(a == b);
+    const half_byte_lanes bytes = __builtin_convertvector(equal, half_byte_lanes);
+#if ISO_LANES == 8
+    return (uint32_t)_mm_movemask_epi8((__m128i)bytes);
+#else
+    uint64_t eight;
+    memcpy(&eight, &bytes, sizeof eight);
+    /* (the highest bit of each byte, gathered in the highest byte) */
+    return (eight & 0x8080808080808080u) * 0x0002040810204081u >> 56;
+#endif
+#endif
+}
+
+ISO_INLINE uint64_t first_bits(int n) {
+    return n >= 64 ? ~UINT64_C(0) : (UINT64_C(1) << n) - 1;
+}
+
+static uint64_t equal(const uint16_t *row, int n, uint16_t label) {
+    uint64_t set = 0;
+    const label_lanes all = label - (label_lanes){0};
+    for (int i = 0; i < n; i += 2 * ISO_LANES) set |= equal_labels(load_labels(row + i), all) << i;
+    return set & first_bits(n);
+}
+
+static uint64_t differ(const uint16_t *a, const uint16_t *b, int n) {
+    uint64_t set = 0;
+    for (int i = 0; i < n; i += 2 * ISO_LANES)
+        set |= equal_labels(load_labels(a + i), load_labels(b + i)) << i;
+    return ~set & first_bits(n);
+}
+
 static void mask(const uint16_t *row, int n, uint16_t label, uint8_t *mask) {
     const uint16_t of_others = ISO_LABEL_FAR_SQUARE;
     for (int i = 0; i < n; i += 2 * ISO_LANES) {
-        label_lanes numbers;
-        memcpy(&numbers, row + i, sizeof numbers);
-        const label_lanes equal = (label_lanes)(numbers == label);
-        const half_byte_lanes bytes = __builtin_convertvector(~equal & of_others, half_byte_lanes);
+        const label_lanes same = (label_lanes)(load_labels(row + i) == label);
+        const half_byte_lanes bytes = __builtin_convertvector(~same & of_others, half_byte_lanes);
         memcpy(mask + i, &bytes, sizeof bytes);
     }
 }
 
-/* One row of the squared distances along one axis: the neighbours of out[i] lie `step` apart. */
-ISO_INLINE void squares_row(const uint8_t *in, ptrdiff_t step, int n, uint8_t *out) {
-    for (int i = 0; i < n; i += (int)sizeof(byte_lanes)) {
-        byte_lanes least = load_bytes(in + i);
-        least = least_bytes(least, (least ^ least) + (int8_t)ISO_LABEL_FAR_SQUARE);
-        for (int k = 1; k <= ISO_LABEL_REACH; k++) {
-            const int8_t square = (int8_t)(k * k);
-            least = least_bytes(least, load_bytes(in + i + k * step) + square);
-            least = least_bytes(least, load_bytes(in + i - k * step) + square);
+/* ---- what is needed */
+
+/* Rows are needed up to `radius` * `step` from those that are. */
+static void widen(const iso_label_box *box, int from, ptrdiff_t step, int radius, int to) {
+    const int edge = box->margin + REACH;
+    const ptrdiff_t rows = (ptrdiff_t)(box->n[1] + 2 * edge) * (box->n[2] + 2 * edge);
+    for (ptrdiff_t i = 0; i < rows; i += BYTES) {
+        byte_lanes lo = load_bytes(box->lo[from] + i), hi = ~load_bytes(box->hi[from] + i);
+        for (int k = 1; k <= radius; k++) {
+            lo = least_bytes(lo, least_bytes(load_bytes(box->lo[from] + i + k * step),
+                                             load_bytes(box->lo[from] + i - k * step)));
+            hi = least_bytes(hi, least_bytes(~load_bytes(box->hi[from] + i + k * step),
+                                             ~load_bytes(box->hi[from] + i - k * step)));
         }
-        memcpy(out + i, &least, sizeof least);
+        store_bytes(box->lo[to] + i, lo);
+        store_bytes(box->hi[to] + i, ~hi);
     }
+    memset(box->lo[to] + rows, UINT8_MAX, ISO_LABEL_GUARD);
+    memset(box->hi[to] + rows, 0, ISO_LABEL_GUARD);
 }
 
-/* How many rows of a pass are one long row: rows that are as long before and after it follow each other. */
-ISO_INLINE int joined_rows(const int m[3], const int n[3]) {
-    return m[0] == n[0] ? n[1] : 1;
+static void needs(const iso_label_box *box) {
+    const ptrdiff_t pitch = box->n[1] + 2 * (box->margin + REACH);
+    widen(box, ISO_LABEL_RESULTS, 1, box->radius, ISO_LABEL_Z_PASS);
+    widen(box, ISO_LABEL_Z_PASS, pitch, box->radius, ISO_LABEL_DISTANCES);
+    widen(box, ISO_LABEL_DISTANCES, 1, REACH, ISO_LABEL_Z_SQUARES);
+    widen(box, ISO_LABEL_Z_SQUARES, pitch, REACH, ISO_LABEL_MASK);
 }
 
-/* `from` has the size m; what is at `first` is that much away from its ends along the axis of `step`. */
-static void squares_pass(const uint8_t *from, const int m[3], const int n[3], const int first[3],
-                         ptrdiff_t step, uint8_t *to) {
-    const int joined = joined_rows(m, n);
+/* The voxels lo .. hi - 1 of a row that a step needs, counted as those of the distances, of rows that are
+ * `more` voxels longer; false: none. */
+ISO_INLINE bool needed(const iso_label_box *box, int step, int y, int z, int more, int *lo, int *hi) {
+    const int edge = box->margin + REACH;
+    const ptrdiff_t row = (ptrdiff_t)(z + edge) * (box->n[1] + 2 * edge) + y + edge;
+    *lo = box->lo[step][row] + box->margin - box->radius;
+    *hi = box->hi[step][row] + box->margin + box->radius + more;
+    return box->hi[step][row] != 0;
+}
+
+/* ---- distances */
+
+/* A part of a row of the squared distances along one axis: neighbours lie `step` apart. */
+ISO_INLINE byte_lanes least_squares(const uint8_t *in, ptrdiff_t step) {
+    byte_lanes least = load_bytes(in);
+    for (int k = 1; k <= REACH; k++) {
+        const uint8_t square = (uint8_t)(k * k);
+        least =
+            least_bytes(least, least_bytes(load_bytes(in + k * step), load_bytes(in - k * step)) + square);
+    }
+    return least;
+}
+
+/* The same of a mask, to the voxels inside and outside of it. */
+ISO_INLINE void mask_squares(const uint8_t *in, ptrdiff_t step, uint8_t *to_inside, uint8_t *to_outside) {
+    const byte_lanes far = (uint8_t)ISO_LABEL_FAR_SQUARE - (byte_lanes){0};
+    byte_lanes inside = load_bytes(in), outside = inside ^ far;
+    for (int k = 1; k <= REACH; k++) {
+        const uint8_t square = (uint8_t)(k * k);
+        const byte_lanes a = load_bytes(in + k * step), b = load_bytes(in - k * step);
+        inside = least_bytes(inside, (a & b) + square);
+        outside = least_bytes(outside, ((a | b) ^ far) + square);
+    }
+    store_bytes(to_inside, inside);
+    store_bytes(to_outside, outside);
+}
+
+static void squares(const uint8_t *mask, const iso_label_box *box, uint8_t *work, uint8_t *to_inside,
+                    uint8_t *to_outside) {
+    const int m = box->margin, far[3] = {box->n[0] + 2 * m, box->n[1] + 2 * m, box->n[2] + 2 * m},
+              all[3] = {far[0] + 2 * REACH, far[1] + 2 * REACH, far[2] + 2 * REACH};
+    const ptrdiff_t slice = (ptrdiff_t)all[0] * all[1];
+    const size_t size = (size_t)slice * (size_t)all[2] + ISO_LABEL_SLACK;
+    uint8_t *inside = work, *outside = work + size, row_in[2][2 * ISO_LABEL_ROW + ISO_LABEL_SLACK];
+    int lo, hi;
+    for (int z = -m; z < far[2] - m; z++)
+        for (int y = -m - REACH; y < far[1] - m + REACH; y++) {
+            if (!needed(box, ISO_LABEL_Z_SQUARES, y, z, 2 * REACH, &lo, &hi)) continue;
+            const ptrdiff_t to = (z + m) * slice + (ptrdiff_t)(y + m + REACH) * all[0];
+            for (int x = lo; x < hi; x += BYTES)
+                mask_squares(mask + to + REACH * slice + x, slice, inside + to + x, outside + to + x);
+        }
+    for (int z = -m; z < far[2] - m; z++)
+        for (int y = -m; y < far[1] - m; y++) {
+            if (!needed(box, ISO_LABEL_DISTANCES, y, z, 2 * REACH, &lo, &hi)) continue;
+            const ptrdiff_t from = (z + m) * slice + (ptrdiff_t)(y + m + REACH) * all[0],
+                            to = ((ptrdiff_t)(z + m) * far[1] + y + m) * far[0];
+            for (int x = lo; x < hi; x += BYTES) {
+                store_bytes(row_in[0] + x, least_squares(inside + from + x, all[0]));
+                store_bytes(row_in[1] + x, least_squares(outside + from + x, all[0]));
+            }
+            hi -= 2 * REACH;
+            for (int x = lo; x < hi; x += BYTES) {
+                store_bytes(to_inside + to + x, least_squares(row_in[0] + x + REACH, 1));
+                store_bytes(to_outside + to + x, least_squares(row_in[1] + x + REACH, 1));
+            }
+        }
+}
+
+static void signed_distance(const uint8_t *to_outside, const uint8_t *to_inside, const iso_label_box *box,
+                            float *distance) {
+    const int m = box->margin, far[2] = {box->n[0] + 2 * m, box->n[1] + 2 * m};
+    const vf half = v_set(0.5f);
+    int lo, hi;
+    for (int z = -m; z < box->n[2] + m; z++)
+        for (int y = -m; y < box->n[1] + m; y++) {
+            if (!needed(box, ISO_LABEL_DISTANCES, y, z, 0, &lo, &hi)) continue;
+            const ptrdiff_t row = ((ptrdiff_t)(z + m) * far[1] + y + m) * far[0];
+            for (ptrdiff_t i = row + lo; i < row + hi; i += ISO_LANES) {
+                /* (one of the two is 0) */
+                const vi outside = v_load_u8(to_outside + i), inside = v_load_u8(to_inside + i);
+                const vf root = v_sqrt(v_to_float(outside + inside)) - half;
+                v_store(distance + i, v_select(v_lti(v_seti(0), outside), root, v_set(0) - root));
+            }
+        }
+}
+
+/* ---- filters */
+
+ISO_INLINE vf pair_at(const float *in, ptrdiff_t step) {
+    return v_load(in + step) + v_load(in - step);
+}
+
+/* A Gaussian of the values around `in`. */
+ISO_INLINE vf gaussian_at(const float *in, ptrdiff_t step, int radius, const float *w) {
+    vf sum = v_set(w[0]) * v_load(in);
+    for (int k = 1; k <= radius; k++) sum = sum + v_set(w[k]) * pair_at(in, k * step);
+    return sum;
+}
+
+ISO_INLINE void filter_of(const float *distance, const iso_label_box *box, int first, int second,
+                          const iso_label_filter *f, float *work, float *out) {
+    const int m = box->margin, r = box->radius, *n = box->n, far[2] = {n[0] + 2 * m, n[1] + 2 * m};
+    const ptrdiff_t slice = (ptrdiff_t)far[0] * far[1], size = slice * n[2] + ISO_LABEL_SLACK;
+    float *z_done[2] = {work, work + size}, *y_done[2] = {work + 2 * size, work + 3 * size};
+    int lo, hi;
     for (int z = 0; z < n[2]; z++)
-        for (int y = 0; y < n[1]; y += joined) {
-            const ptrdiff_t row = ((ptrdiff_t)(z + first[2]) * m[1] + y + first[1]) * m[0] + first[0];
-            squares_row(from + row, step, joined * n[0], to + ((ptrdiff_t)z * n[1] + y) * n[0]);
+        for (int y = -m; y < n[1] + m; y++) {
+            if (!needed(box, ISO_LABEL_Z_PASS, y, z, 0, &lo, &hi)) continue;
+            const ptrdiff_t row = z * slice + (ptrdiff_t)(y + m) * far[0];
+            for (ptrdiff_t i = row + lo; i < row + hi; i += ISO_LANES) {
+                const float *in = distance + i + m * slice;
+                vf a = v_set(f->w[0][0]) * v_load(in), b = v_set(f->w[1][0]) * v_load(in);
+                for (int k = 1; k <= second; k++) {
+                    const vf pair = pair_at(in, k * slice);
+                    if (k <= first) a = a + v_set(f->w[0][k]) * pair;
+                    b = b + v_set(f->w[1][k]) * pair;
+                }
+                v_store(z_done[0] + i, a);
+                v_store(z_done[1] + i, b);
+            }
         }
-}
-
-static void squares(const uint8_t *in, const int n[3], uint8_t *work, uint8_t *far) {
-    enum { R = ISO_LABEL_REACH };
-    const int all[3] = {n[0] + 2 * R, n[1] + 2 * R, n[2] + 2 * R}, z_done[3] = {all[0], all[1], n[2]},
-              y_done[3] = {all[0], n[1], n[2]};
-    uint8_t *second = work + (ptrdiff_t)all[0] * all[1] * all[2];
-    squares_pass(in, all, z_done, (const int[3]){0, 0, R}, (ptrdiff_t)all[0] * all[1], work);
-    squares_pass(work, z_done, y_done, (const int[3]){0, R, 0}, all[0], second);
-    squares_pass(second, y_done, n, (const int[3]){R, 0, 0}, 1, far);
-}
-
-static void signed_distance(const uint8_t *to_outside, const uint8_t *to_inside, size_t count, float *out) {
-    for (size_t i = 0; i < count; i += ISO_LANES) {
-        /* (one of the two is 0) */
-        const vf outside = v_to_float(v_load_u8(to_outside + i)),
-                 inside = v_to_float(v_load_u8(to_inside + i)), half = v_set(0.5f);
-        const vf in = v_sqrt(outside) - half, out_of = half - v_sqrt(inside);
-        v_store(out + i, v_select(v_lt(v_set(0), outside), in, out_of));
-    }
-}
-
-ISO_INLINE void filter_row(const float *row, ptrdiff_t step, int n, int radius, const float *w, float *out) {
-    vf weight[ISO_LABEL_RADIUS + 1];
-    for (int k = 0; k <= radius; k++) weight[k] = v_set(w[k]);
-    for (int x = 0; x < n; x += ISO_LANES) {
-        vf sum = weight[0] * v_load(row + x);
-        for (int k = 1; k <= radius; k++)
-            sum = sum + weight[k] * (v_load(row + x + k * step) + v_load(row + x - k * step));
-        v_store(out + x, sum);
-    }
-}
-
-ISO_INLINE void filter_pass(const float *from, const int m[3], const int n[3], const int first[3],
-                            ptrdiff_t step, int radius, const float *w, float *to) {
-    const int joined = joined_rows(m, n);
     for (int z = 0; z < n[2]; z++)
-        for (int y = 0; y < n[1]; y += joined) {
-            const ptrdiff_t row = ((ptrdiff_t)(z + first[2]) * m[1] + y + first[1]) * m[0] + first[0];
-            filter_row(from + row, step, joined * n[0], radius, w, to + ((ptrdiff_t)z * n[1] + y) * n[0]);
+        for (int y = 0; y < n[1]; y++) {
+            if (!needed(box, ISO_LABEL_RESULTS, y, z, 0, &lo, &hi)) continue;
+            const ptrdiff_t from = z * slice + (ptrdiff_t)(y + m) * far[0],
+                            row = ((ptrdiff_t)z * n[1] + y) * far[0];
+            for (int x = lo; x < hi; x += ISO_LANES) {
+                v_store(y_done[0] + row + x, gaussian_at(z_done[0] + from + x, far[0], first, f->w[0]));
+                v_store(y_done[1] + row + x, gaussian_at(z_done[1] + from + x, far[0], second, f->w[1]));
+            }
+            const vf forth = v_set(1 + f->back), back = v_set(f->back);
+            for (int x = lo + r; x < hi - r; x += ISO_LANES) {
+                const vf a = gaussian_at(y_done[0] + row + x, 1, first, f->w[0]),
+                         b = gaussian_at(y_done[1] + row + x, 1, second, f->w[1]);
+                v_store(out + ((ptrdiff_t)z * n[1] + y) * n[0] + x - m, forth * a - back * b);
+            }
         }
 }
 
-ISO_INLINE void filter_of(const float *in, const int n[3], int margin, int radius, const float *w,
-                          float *work, float *out) {
-    const int m = margin;
-    const int all[3] = {n[0] + 2 * m, n[1] + 2 * m, n[2] + 2 * m}, z_done[3] = {all[0], all[1], n[2]},
-              y_done[3] = {all[0], n[1], n[2]};
-    float *second = work + (ptrdiff_t)all[0] * all[1] * n[2];
-    filter_pass(in, all, z_done, (const int[3]){0, 0, m}, (ptrdiff_t)all[0] * all[1], radius, w, work);
-    filter_pass(work, z_done, y_done, (const int[3]){0, m, 0}, all[0], radius, w, second);
-    filter_pass(second, y_done, n, (const int[3]){m, 0, 0}, 1, radius, w, out);
-}
-
-/* (A constant radius lets the compiler unroll the loop over the weights.) */
-static void filter(const float *in, const int n[3], int margin, int radius, const float *w, float *work,
+/* (Constant radii let the compiler unroll the loops over the weights.) */
+static void filter(const float *distance, const iso_label_box *box, const iso_label_filter *f, float *work,
                    float *out) {
-    if (radius == 3) filter_of(in, n, margin, 3, w, work, out);
-    if (radius == 4) filter_of(in, n, margin, 4, w, work, out);
-    if (radius == 5) filter_of(in, n, margin, 5, w, work, out);
-    if (radius == 7) filter_of(in, n, margin, 7, w, work, out);
+    if (f->radius[0] == 5) filter_of(distance, box, 5, 7, f, work, out);
+    if (f->radius[0] == 3) filter_of(distance, box, 3, 4, f, work, out);
 }
 
-const iso_smooth_kernel ISO_KERNEL_NAME(iso_smooth_kernel) = {mask, squares, signed_distance, filter};
+/* ---- what is kept of them */
+
+ISO_INLINE vm lanes_of(uint64_t set, int x) {
+    return v_from_mask((uint32_t)(set >> x & first_bits(ISO_LANES)));
+}
+
+static void keep(uint64_t set, const uint16_t *row, uint16_t label, float sign, const float *field,
+                 const float *distance, float *own, float *loss, float *other, float *best) {
+    for (int x = 0; x < ISO_LABEL_ROW && set >> x; x += ISO_LANES) {
+        if (!(set >> x & first_bits(ISO_LANES))) continue;
+        const vm kept = lanes_of(set, x), mine = v_and(kept, v_eqi(v_load_u16(row + x), v_seti(label))),
+                 others = v_andnot(kept, mine);
+        const vf value = v_set(sign) * v_load(field + x), far = v_set(sign) * v_load(distance + x),
+                 was_best = v_load(best + x), was_other = v_load(other + x);
+        v_store(best + x, v_select(kept, v_max(value, was_best), was_best));
+        v_store(own + x, v_select(mine, value, v_load(own + x)));
+        v_store(loss + x, v_select(mine, far - value, v_load(loss + x)));
+        v_store(other + x, v_select(others, v_max(value, was_other), was_other));
+    }
+}
+
+static void fill(uint64_t set, float value, float *row) {
+    for (int x = 0; x < ISO_LABEL_ROW && set >> x; x += ISO_LANES)
+        v_store(row + x, v_select(lanes_of(set, x), v_set(value), v_load(row + x)));
+}
+
+static uint64_t thin(const float *own, const float *other, const float *loss, int n, float change,
+                     float most) {
+    uint64_t set = 0;
+    for (int x = 0; x < n; x += ISO_LANES)
+        set |= (uint64_t)v_mask(v_or(v_lt(v_load(own + x), v_load(other + x) - v_set(change)),
+                                     v_lt(v_set(most), v_load(loss + x))))
+               << x;
+    return set & first_bits(n);
+}
+
+static uint64_t weak(const float *own, const float *other, const float *weight, int n, float lead,
+                     float more) {
+    uint64_t set = 0;
+    for (int x = 0; x < n; x += ISO_LANES) {
+        vf least = v_load(other + x) + v_set(lead);
+        if (weight) least = least + v_load(weight + x) * v_set(more);
+        set |= (uint64_t)v_mask(v_lt(v_load(own + x), least)) << x;
+    }
+    return set & first_bits(n);
+}
+
+const iso_smooth_kernel ISO_KERNEL_NAME(iso_smooth_kernel) = {
+    equal, differ, needs, mask, squares, signed_distance, filter, keep, fill, thin, weak};

@@ -1,11 +1,13 @@
-/* smooth_kernel: the loops of label smoothing: distances to the voxels of a mask, and separable Gaussian
- * filters. Every instruction set gives the same bits.
+/* smooth_kernel: the loops of label smoothing: which rows are needed, distances to the voxels of a mask,
+ * separable Gaussian filters, and what is kept of them. Every instruction set gives the same bits.
  * Rows are read and written in whole vectors: all arrays have ISO_LABEL_SLACK more items than are used, and
- * the values of up to so many items behind the last result are lost.
+ * the values of up to so many items behind the last result of a row are lost, which those of the next row
+ * replace. A set of voxels of a row is a word of 64 bits, the first voxel lowest.
  * Internal to grids/labels. */
 #ifndef ISO_GRIDS_LABELS_SMOOTH_KERNEL_H
 #define ISO_GRIDS_LABELS_SMOOTH_KERNEL_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -15,26 +17,74 @@ enum {
     ISO_LABEL_RADIUS = 7,      /* greatest of a filter */
     ISO_LABEL_REACH = 5,       /* distances up to this many voxels are exact */
     ISO_LABEL_FAR_SQUARE = 36, /* the squared distance of all voxels that are farther away */
-    ISO_LABEL_SLACK = 64
+    ISO_LABEL_ROW = 64,        /* voxels of a row, at most */
+    ISO_LABEL_SLACK = 64,
+    ISO_LABEL_GUARD = ISO_LABEL_ROW * ISO_LABEL_RADIUS
 };
 
-/* Blocks of voxels have the sizes n[0] x n[1] x n[2], x fastest, without gaps. */
+/* What of a step's results is needed. */
+enum {
+    ISO_LABEL_RESULTS,   /* of the filter along y and x */
+    ISO_LABEL_Z_PASS,    /* of the filter along z */
+    ISO_LABEL_DISTANCES, /* and of the squared distances along y and x */
+    ISO_LABEL_Z_SQUARES, /* of the squared distances along z */
+    ISO_LABEL_MASK,
+    ISO_LABEL_STEPS
+};
+
+/* A box of n[0] x n[1] x n[2] voxels, x fastest, in which the field of a label is computed; its distances
+ * are needed up to `margin` around it, its mask up to ISO_LABEL_REACH around these. Which results are needed,
+ * voxels lo .. hi - 1 of each row, of none lo = 255 and hi = 0, of row y, z at index (z + edge) * pitch + y +
+ * edge with edge = margin + ISO_LABEL_REACH and pitch = n[1] + 2 edge. Before and behind the rows, arrays
+ * have ISO_LABEL_GUARD items, which need nothing. */
+typedef struct iso_label_box {
+    int n[3], margin, radius; /* radius: of the filter; <= margin */
+    uint8_t *lo[ISO_LABEL_STEPS], *hi[ISO_LABEL_STEPS];
+} iso_label_box;
+
+/* Two Gaussians: the weights w[0], and w[k] at +-k for k = 1 .. radius, along all axes; the filter is
+ * (1 + back) * the first one - back * the second one, which is the wider one. */
+typedef struct iso_label_filter {
+    int radius[2]; /* 5 and 7, or 3 and 4 */
+    float w[2][ISO_LABEL_RADIUS + 1];
+    float back;
+} iso_label_filter;
+
 typedef struct iso_smooth_kernel {
+    /* Which voxels of a row have the label; which have different labels in two rows. n: up to ISO_LABEL_ROW.
+     */
+    uint64_t (*equal)(const uint16_t *row, int n, uint16_t label);
+    uint64_t (*differ)(const uint16_t *a, const uint16_t *b, int n);
+    /* From which results are needed follows what else is. */
+    void (*needs)(const iso_label_box *box);
     /* mask[i] = 0 where row[i] is the label, else ISO_LABEL_FAR_SQUARE. */
     void (*mask)(const uint16_t *row, int n, uint16_t label, uint8_t *mask);
-    /* far[i] = the squared distance from voxel i to the nearest one with in[] == 0, of voxels with 0 or
-     * ISO_LABEL_FAR_SQUARE; at most ISO_LABEL_FAR_SQUARE. `in` is larger than `far` by ISO_LABEL_REACH on all
-     * six sides. `n`: of `far`. `work`: 2 bytes for each voxel of `in`. */
-    void (*squares)(const uint8_t *in, const int n[3], uint8_t *work, uint8_t *far);
-    /* signed_distance[i] = the distance to the border of a label, voxels: positive inside, where the squared
-     * distance to the nearest voxel outside is not 0. The border lies half a voxel from voxels' centres. */
-    void (*signed_distance)(const uint8_t *to_outside, const uint8_t *to_inside, size_t count,
-                            float *signed_distance);
-    /* out = the filter with the weights w[0], and w[k] at +-k for k = 1 .. radius, along all axes. `in` is
-     * larger than `out` by `margin` >= radius on all six sides. n: of `out`. `work`: 2 floats for each voxel
-     * of `in`. radius: 3, 4, 5 or 7. */
-    void (*filter)(const float *in, const int n[3], int margin, int radius, const float *w, float *work,
-                   float *out);
+    /* The squared distance from each voxel to the nearest one with mask[] == 0, and to the nearest one with
+     * mask[] == ISO_LABEL_FAR_SQUARE; at most ISO_LABEL_FAR_SQUARE. `work`: 2 bytes for each voxel of the
+     * mask, and ISO_LABEL_SLACK more for each of the two. */
+    void (*squares)(const uint8_t *mask, const iso_label_box *box, uint8_t *work, uint8_t *to_inside,
+                    uint8_t *to_outside);
+    /* The distance to the border of a label, voxels: positive inside, where the squared distance to the
+     * nearest voxel outside is not 0. The border lies half a voxel from voxels' centres. */
+    void (*signed_distance)(const uint8_t *to_outside, const uint8_t *to_inside, const iso_label_box *box,
+                            float *distance);
+    /* out = the filter of the distances. `work`: 4 floats for each of these, and
+     * ISO_LABEL_SLACK more for each of the four. */
+    void (*filter)(const float *distance, const iso_label_box *box, const iso_label_filter *filter,
+                   float *work, float *out);
+    /* Adds sign * field of a label to what is known of the voxels `set` of a row: the field of their own
+     * label and what it is less than the distance, the greatest one of others, the greatest one of a group.
+     */
+    void (*keep)(uint64_t set, const uint16_t *row, uint16_t label, float sign, const float *field,
+                 const float *distance, float *own, float *loss, float *other, float *best);
+    /* Sets the items `set` of a row. */
+    void (*fill)(uint64_t set, float value, float *row);
+    /* The voxels of a row with own < other - change, or loss > most. */
+    uint64_t (*thin)(const float *own, const float *other, const float *loss, int n, float change,
+                     float most);
+    /* The voxels of a row with own < other + lead + weight * more; weight may be NULL. */
+    uint64_t (*weak)(const float *own, const float *other, const float *weight, int n, float lead,
+                     float more);
 } iso_smooth_kernel;
 ISO_KERNEL_UNITS(const iso_smooth_kernel, iso_smooth_kernel);
 

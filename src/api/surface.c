@@ -54,7 +54,8 @@ static iso_status make_labels(iso_surface *surface, const iso_surface_opts *opts
         iso_labels_join(labels, group, first); /* no borders between them */
         memset(group, 0, (size_t)labels->count);
         group[first] = 1;
-        status = iso_label_fields_make(labels, group, 1, false, pool, &surface->label_fields, error);
+        status =
+            iso_label_fields_make(labels, group, 1, ISO_LABELS_BAND, pool, &surface->label_fields, error);
     }
     iso_free(group);
     if (status == ISO_OK)

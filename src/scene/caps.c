@@ -36,8 +36,10 @@ typedef struct caps_draw {
     iso_gbuffer *gbuffer;
     iso_cap_kernel_fn *kernel;
     solid *solids;
-    iso_cap_row *rows; /* by worker and solid */
-    bool others;       /* some solids get caps that are not cut by one plane */
+    iso_cap_row *rows;           /* by worker and solid */
+    bool others;                 /* some solids get caps that are not cut by one plane */
+    iso_cap_painter_fn *painter; /* NULL: it cannot paint these caps */
+    iso_cap_paint paint;         /* of the only solid */
 } caps_draw;
 
 /* What a sample shows. */
@@ -79,7 +81,7 @@ static uint32_t pack(iso_rgb c) {
     return (uint32_t)c.r | (uint32_t)c.g << 8 | (uint32_t)c.b << 16;
 }
 
-static uint32_t color_of(const iso_slice_look *look, const solid *s, double value) {
+static inline uint32_t color_of(const iso_slice_look *look, const solid *s, double value) {
     const double physical = value * s->scale + s->offset,
                  at = (physical - look->low) / (look->high - look->low);
     if (look->map == ISO_COLORMAP_GRAY && !isnan(at)) return iso_gray_at(at) * 0x010101u;
@@ -134,8 +136,8 @@ static void store_normal(const iso_view *view, iso_vec3 normal, float to[3]) {
 }
 
 /* Makes the sample show the cap of a solid. normal: view space; of caps that do not show the volume. */
-static void take_cap(const caps_draw *draw, const solid *s, double depth, const float normal[3], double value,
-                     found *f) {
+static inline void take_cap(const caps_draw *draw, const solid *s, double depth, const float normal[3],
+                            double value, found *f) {
     f->depth = depth;
     f->solid = s;
     f->color = s->shows ? color_of(&draw->caps->look, s, value) : pack(s->input->color);
@@ -180,14 +182,31 @@ static void fill_block(const caps_draw *draw, const solid *s, const iso_cap_row 
     }
 }
 
-/* The caps of a solid that one plane cuts, where they are not behind f. */
-static void find_plane_caps(const caps_draw *draw, const solid *s, int count, const iso_cap_block *block,
-                            found *f) {
+/* The nearest caps of solids that one plane cuts, of a block of samples. */
+typedef struct plane_caps {
+    double depth[ISO_CAP_BLOCK], value[ISO_CAP_BLOCK];
+    const solid *solid[ISO_CAP_BLOCK]; /* NULL: there is none before what was drawn */
+} plane_caps;
+
+/* Nothing yet, before the depths of what was drawn. */
+static void begin_plane_caps(const float *drawn, int count, plane_caps *caps) {
+    for (int i = 0; i < count; i++) {
+        caps->depth[i] = (double)drawn[i];
+        caps->solid[i] = NULL;
+    }
+}
+
+/* Adds the caps of a solid where they are not behind. */
+static void find_plane_caps(const solid *s, int count, const iso_cap_block *block, plane_caps *caps) {
+    const double isovalue = s->isovalue;
     for (int i = 0; i < count; i++) {
         const double depth = block->depth[i], value = block->value[i];
-        if (!is_inside(s, value) || depth > f[i].depth) continue;
-        if (depth < f[i].depth || !f[i].solid || is_inner(s, f[i].solid))
-            take_cap(draw, s, depth, s->normal, value, &f[i]);
+        const bool inside = s->level_set ? value < isovalue : value >= isovalue; /* (NAN is not) */
+        if (!inside || depth > caps->depth[i]) continue;
+        if (depth == caps->depth[i] && caps->solid[i] && !is_inner(s, caps->solid[i])) continue;
+        caps->depth[i] = depth;
+        caps->value[i] = value;
+        caps->solid[i] = s;
     }
 }
 
@@ -266,33 +285,58 @@ static void write_sample(const caps_draw *draw, size_t at, const found *f) {
     gbuffer->color[at] = f->color | ((uint32_t)f->solid->input->surface + 1) << 24;
 }
 
-/* Draws `count` samples of a row (at most ISO_CAP_BLOCK) from column x on. */
-static void draw_samples(const caps_draw *draw, const iso_cap_row *rows, int x, int y, int count) {
-    const size_t at = (size_t)y * (size_t)draw->gbuffer->width + (size_t)x;
+/* The nearest caps of solids that one plane cuts; false: there are none. */
+static bool find_all_plane_caps(const caps_draw *draw, const iso_cap_row *rows, const float *drawn, int x,
+                                int count, plane_caps *caps) {
     iso_cap_block block;
-    found f[ISO_CAP_BLOCK];
-    bool filled = false, any = draw->others || draw->caps->slice_count;
-    for (int i = 0; i < count; i++) {
-        f[i].depth = (double)draw->gbuffer->depth[at + (size_t)i];
-        f[i].solid = NULL;
-    }
+    bool filled = false, any = false;
     for (int i = 0; i < draw->caps->count && draw->caps->caps; i++) {
         const solid *s = &draw->solids[i];
         filled &= s->same_plane;
         if (!s->by_plane || !may_be_inside(s, &rows[i], x, count)) continue;
         if (!filled) fill_block(draw, s, &rows[i], x, count, &block);
-        find_plane_caps(draw, s, count, &block, f);
+        if (!any) begin_plane_caps(drawn, count, caps);
+        find_plane_caps(s, count, &block, caps);
         filled = any = true;
     }
-    for (int i = 0; i < count && any; i++) {
+    return any;
+}
+
+/* Draws samples of a row as draw_samples does, in vectors, if there is one solid that one plane cuts and
+ * nothing else. Returns how many are done, from the first one on. */
+static int paint_samples(const caps_draw *draw, const iso_cap_row *rows, int x, size_t at, int count) {
+    const solid *s = &draw->solids[0];
+    iso_cap_block block;
+    if (!draw->painter) return 0;
+    if (!may_be_inside(s, rows, x, count)) return count;
+    fill_block(draw, s, rows, x, count, &block);
+    const iso_gbuffer *g = draw->gbuffer;
+    const iso_cap_samples samples = {g->depth + at,
+                                     {g->normal[0] + at, g->normal[1] + at, g->normal[2] + at},
+                                     g->color + at,
+                                     g->surface + at};
+    return draw->painter(&block, count, &draw->paint, &samples);
+}
+
+/* Draws `count` samples of a row (at most ISO_CAP_BLOCK) from column x on. */
+static void draw_samples(const caps_draw *draw, const iso_cap_row *rows, int x, int y, int count) {
+    const size_t at = (size_t)y * (size_t)draw->gbuffer->width + (size_t)x;
+    const float *drawn = draw->gbuffer->depth + at;
+    plane_caps caps;
+    const bool any = find_all_plane_caps(draw, rows, drawn, x, count, &caps),
+               more = draw->others || draw->caps->slice_count;
+    for (int i = 0; i < count && (any || more); i++) {
+        found f = {.depth = (double)drawn[i], .solid = NULL};
+        if (any && caps.solid[i])
+            take_cap(draw, caps.solid[i], caps.depth[i], caps.solid[i]->normal, caps.value[i], &f);
         if (draw->others) {
             iso_vec3 origin, direction;
             iso_view_ray(draw->view, x + i + 0.5, y + 0.5, &origin, &direction);
-            find_cap(draw, origin, direction, &f[i]);
+            find_cap(draw, origin, direction, &f);
         }
         for (int k = 0; k < draw->caps->slice_count; k++)
-            find_slice(draw, &draw->caps->slices[k], x + i, y, &f[i]);
-        if (f[i].solid) write_sample(draw, at + (size_t)i, &f[i]);
+            find_slice(draw, &draw->caps->slices[k], x + i, y, &f);
+        if (f.solid) write_sample(draw, at + (size_t)i, &f);
     }
 }
 
@@ -318,8 +362,12 @@ static void draw_rows(void *context, size_t index, int worker) {
                                                      : make_plane_row(&draw->solids[i], draw->view, y);
         int begin = 0, end = draw->gbuffer->width;
         if (!draw->others && !draw->caps->slice_count) limit_row(draw, rows, &begin, &end);
-        for (int x = begin; x < end; x += ISO_CAP_BLOCK)
-            draw_samples(draw, rows, x, y, end - x < ISO_CAP_BLOCK ? end - x : ISO_CAP_BLOCK);
+        for (int x = begin; x < end; x += ISO_CAP_BLOCK) {
+            const int count = end - x < ISO_CAP_BLOCK ? end - x : ISO_CAP_BLOCK;
+            const size_t at = (size_t)y * (size_t)draw->gbuffer->width + (size_t)x;
+            const int done = paint_samples(draw, rows, x, at, count);
+            if (done < count) draw_samples(draw, rows, x + done, y, count - done);
+        }
     }
 }
 
@@ -348,6 +396,26 @@ static void prepare_solid(const caps_draw *draw, int i) {
     store_normal(draw->view, iso_clip_normal(input->clip, &piece, input->clip->body[0].centre), s->normal);
 }
 
+/* Chooses the painter if there is one solid, which one plane cuts, and no map of colours. */
+static void choose_painter(caps_draw *draw) {
+    const solid *s = &draw->solids[0];
+    const iso_slice_look *look = &draw->caps->look;
+    if (draw->caps->count != 1 || !draw->caps->caps || draw->caps->slice_count || !s->by_plane) return;
+    if (s->shows && !(look->map == ISO_COLORMAP_GRAY && look->low < look->high)) return;
+    draw->paint = (iso_cap_paint){.isovalue = s->isovalue,
+                                  .level_set = s->level_set,
+                                  .shows = s->shows,
+                                  .scale = s->scale,
+                                  .offset = s->offset,
+                                  .low = look->low,
+                                  .high = look->high,
+                                  .color = pack(s->input->color),
+                                  .surface = ((uint32_t)s->input->surface + 1) << 24,
+                                  .number = s->input->surface};
+    if (!s->shows) memcpy(draw->paint.normal, s->normal, sizeof s->normal);
+    draw->painter = ISO_KERNEL_UNIT(iso_cap_painter, iso_cpu_best());
+}
+
 bool iso_caps_are_in_front(const iso_cut_caps *caps) {
     bool planes = caps->caps && !caps->slice_count;
     for (int i = 0; i < caps->count; i++) {
@@ -372,6 +440,7 @@ iso_status iso_caps_draw(const iso_cut_caps *caps, const iso_view *view, iso_gbu
         const iso_clip *clip = caps->solids[i].clip;
         draw.others |= caps->caps && clip && clip->count && !draw.solids[i].by_plane;
     }
+    choose_painter(&draw);
     const size_t tasks = ((size_t)gbuffer->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK;
     iso_parallel_for(pool, tasks, draw_rows, &draw);
     iso_free(draw.solids);

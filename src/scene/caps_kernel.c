@@ -142,3 +142,55 @@ void ISO_KERNEL_NAME(iso_cap_kernel)(const iso_cap_row *row, int x, int count, i
     else
         draw(row, ISO_FLOAT32, x, count, block);
 }
+
+/* ---- painting */
+
+typedef float vs __attribute__((vector_size(4 * LANES)));
+
+ISO_INLINE void write_lanes(void *to, vh mask, vh value) {
+    vh was;
+    memcpy(&was, to, sizeof was);
+    const vh mixed = (value & mask) | (was & ~mask);
+    memcpy(to, &mixed, sizeof mixed);
+}
+
+ISO_INLINE vd load(const double *from) {
+    vd value;
+    memcpy(&value, from, sizeof value);
+    return value;
+}
+
+/* The colours of values, as in iso_gray_at. */
+ISO_INLINE vh grays_of(const iso_cap_paint *paint, vd value) {
+    const vd at =
+        (value * set(paint->scale) + set(paint->offset) - set(paint->low)) / set(paint->high - paint->low);
+    const vd low = choose(at < set(0), set(0), at), part = choose(low > set(1), set(1), low);
+    return __builtin_convertvector(part * set(255) + set(0.5), vh) * 0x010101;
+}
+
+/* The function iso_cap_painter. */
+int ISO_KERNEL_NAME(iso_cap_painter)(const iso_cap_block *block, int count, const iso_cap_paint *paint,
+                                     const iso_cap_samples *samples) {
+    int i = 0;
+    for (; i + LANES <= count; i += LANES) {
+        vs drawn;
+        memcpy(&drawn, samples->depth + i, sizeof drawn);
+        const vd depth = load(block->depth + i), value = load(block->value + i);
+        const vl inside = paint->level_set ? value < set(paint->isovalue) : value >= set(paint->isovalue);
+        const vl wide = inside & (depth <= __builtin_convertvector(drawn, vd));
+        const vh mask = __builtin_convertvector(wide, vh);
+        int any = 0;
+        for (int lane = 0; lane < LANES; lane++) any |= mask[lane];
+        if (!any) continue;
+        write_lanes(samples->depth + i, mask, (vh) __builtin_convertvector(depth, vs));
+        for (int k = 0; k < 3; k++)
+            write_lanes(samples->normal[k] + i, mask, (vh)(paint->normal[k] - (vs){0}));
+        /* (what is not painted can be no number) */
+        const vh gray = paint->shows ? grays_of(paint, choose(wide, value, set(paint->low))) : (vh){0};
+        const vh color = paint->shows ? gray : (int32_t)paint->color - (vh){0};
+        write_lanes(samples->color + i, mask, color | (int32_t)paint->surface);
+        for (int lane = 0; lane < LANES; lane++)
+            if (mask[lane]) samples->surface[i + lane] = (uint8_t)paint->number;
+    }
+    return i;
+}

@@ -3,7 +3,9 @@
 #ifndef ISO_SCENE_CAPS_KERNEL_H
 #define ISO_SCENE_CAPS_KERNEL_H
 
+#include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "base/cpu.h"
 #include "base/primitives.h"
@@ -39,5 +41,29 @@ typedef struct iso_cap_block {
  * undefined. All in double precision. */
 typedef void iso_cap_kernel_fn(const iso_cap_row *row, int x, int count, iso_cap_block *block);
 ISO_KERNEL_UNITS(iso_cap_kernel_fn, iso_cap_kernel);
+
+/* How the caps of a solid are painted. */
+typedef struct iso_cap_paint {
+    double isovalue; /* stored; inside is at or above it, or below it in a level set */
+    bool level_set;
+    bool shows;                      /* the volume, in gray: at physical values low .. high */
+    double scale, offset, low, high; /* physical = stored * scale + offset; low < high */
+    uint32_t color, surface;         /* of caps that do not show it; what is written above the colour */
+    float normal[3];
+    int number; /* of the surface */
+} iso_cap_paint;
+
+/* Samples of a gbuffer, in a row. */
+typedef struct iso_cap_samples {
+    float *depth, *normal[3];
+    uint32_t *color;
+    uint8_t *surface;
+} iso_cap_samples;
+
+/* Paints the samples of a block that begin in the solid and are not behind what is drawn. Returns how many
+ * of the samples have been looked at, the rest, less than a vector, is left. */
+typedef int iso_cap_painter_fn(const iso_cap_block *block, int count, const iso_cap_paint *paint,
+                               const iso_cap_samples *samples);
+ISO_KERNEL_UNITS(iso_cap_painter_fn, iso_cap_painter);
 
 #endif

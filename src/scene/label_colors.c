@@ -30,7 +30,7 @@ static void paint_rows(void *context, size_t index, int worker) {
     (void)worker;
     const painting *p = context;
     const int first = (int)index * ROWS_PER_TASK;
-    iso_label_cell cell = {{0, 0, 0}, 0};
+    iso_label_cell cell = {.known = false};
     for (int y = first; y < first + ROWS_PER_TASK && y < p->gbuffer->height; y++)
         for (int x = 0; x < p->gbuffer->width; x++) {
             const size_t at = (size_t)y * (size_t)p->gbuffer->width + (size_t)x;

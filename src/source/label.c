@@ -82,7 +82,7 @@ iso_status iso_source_label_solid(const iso_source *source, const iso_grid *grid
     else
         group[place] = 1;
     if (status == ISO_OK)
-        status = iso_label_fields_make(&labels, group, 1, false, source->pool, &fields, error);
+        status = iso_label_fields_make(&labels, group, 1, ISO_LABELS_BAND, source->pool, &fields, error);
     if (status == ISO_OK) {
         const iso_grid own = {.hgrid = iso_label_fields_grid(fields, 1)};
         status = iso_grid_copy(&own, source->pool, solid, error);

@@ -70,6 +70,16 @@ xdotool type "$work/other.nrrd"
 key Return
 until_ "colours by a volume" colored volume other.nrrd
 redrawn volume
+
+# ---- by the distance from its surface, and from a mesh
+press 110 645
+press 48 774
+until_ "the dialog" is_modal
+xdotool type "$work/other.nrrd"
+key Return
+until_ "colours by distance" colored distance distance:other.nrrd
+redrawn distance
+differ volume distance || fail "distances are coloured as the volume's values"
 stop
 
 # ---- the picture opens as it was shown; so does a scene with two surfaces, of which one is translucent
@@ -88,10 +98,23 @@ look same scene.png scene_opened.png 0 || fail "the scene is opened as another p
 redrawn scene_opened
 stop
 
-# ---- a volume that is gone is missed by name, and distances are refused; the picture is there, without colours
-sed 's/"curvature"/"distance:other.nrrd:300"/' figure.json >distance.json
-window_program distance.json
+# ---- distances from a mesh, and from an isovalue, are opened as isorender draws them
+"$bin/isorender" stent.nrrd --isovalue 1200 --mesh core.ply --no-image --quiet || fail "no mesh"
+for from in core.ply other.nrrd:900; do
+    sed "s/\"curvature\"/\"distance:$from\"/" figure.json >distance.json
+    "$bin/isorender" distance.json --output scene.png --quiet || fail "isorender draws no distances from $from"
+    window_program distance.json
+    until_ "the scene's volume" title_is 'stent.nrrd'
+    picture distance_opened
+    look same scene.png distance_opened.png 0 || fail "distances from $from are opened as another picture"
+    redrawn distance_opened
+    stop
+done
+
+# ---- a file that is gone is missed by name; the picture is there, without colours
+sed 's/"curvature"/"distance:gone.nrrd"/' figure.json >gone.json
+window_program gone.json
 until_ "the scene's volume" title_is 'stent.nrrd'
-until_ "a refusal" says "a window colours by a volume, curvature, depth or normal"
+until_ "a file that is missed" says "gone.nrrd"
 stop
 echo "passed"

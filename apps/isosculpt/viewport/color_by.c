@@ -8,6 +8,8 @@
 #include "apps/common/coloring_settings.h"
 #include "apps/common/loader.h"
 #include "base/memory.h"
+#include "io/mesh/mesh_read.h"
+#include "scene/distances.h"
 
 static const isosculpt_color_by NOTHING = {.range = {NAN, NAN}, .ranged_isovalue = NAN};
 
@@ -30,35 +32,61 @@ static isosculpt_color_by *changeable(isosculpt_viewport *viewport, iso_error *e
     return viewport->color_by;
 }
 
-/* A volume that surfaces are coloured by, with what its loader borrows. */
-typedef struct isosculpt_color_volume {
+/* A file that surfaces are coloured by, with what its loader borrows. */
+typedef struct isosculpt_color_file {
     iso_coloring_settings settings;
     iso_input input;
-    iso_loader loader;
-} isosculpt_color_volume;
+    iso_loader loader; /* of a volume */
+    iso_distance *distance;
+} isosculpt_color_file;
 
-static void close_volume(isosculpt_color_volume *volume) {
-    if (!volume) return;
-    iso_loader_close(&volume->loader);
-    iso_free(volume);
+static void close_file(isosculpt_color_file *file) {
+    if (!file) return;
+    iso_distance_destroy(file->distance);
+    iso_loader_close(&file->loader);
+    iso_free(file);
 }
 
-static iso_status read_volume(const iso_coloring_settings *settings, iso_pool *pool,
-                              isosculpt_color_volume **read, iso_error *error) {
-    isosculpt_color_volume *volume = iso_alloc_zero(1, sizeof *volume);
-    if (!volume) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    volume->settings = *settings;
-    volume->input.grid = settings->rest[0] ? volume->settings.rest : NULL;
-    volume->loader = (iso_loader){
-        .input = volume->settings.path, .options = &volume->input, .pool = pool, .is_further = true};
-    iso_status status = iso_loader_open(&volume->loader, error);
-    if (status == ISO_OK && volume->loader.has_points)
-        status = iso_fail(error, ISO_ERR_USAGE, "%s: holds points, no volume", settings->path);
-    if (status == ISO_OK) status = iso_loader_read(&volume->loader, error);
+static iso_status read_mesh(isosculpt_color_file *file, iso_error *error) {
+    iso_triangles mesh = {.vertices = NULL};
+    if (file->settings.rest[0])
+        return iso_fail(error, ISO_ERR_USAGE, "a mesh has no isovalue: %s", file->settings.path);
+    ISO_TRY(iso_mesh_read(file->settings.path, NULL, &mesh, error));
+    const iso_status status = iso_distance_of_mesh(&mesh, &file->distance, error);
+    iso_triangles_free(&mesh);
+    return status;
+}
+
+static iso_status read_volume(isosculpt_color_file *file, iso_pool *pool, iso_error *error) {
+    const bool distances = file->settings.source == ISO_COLOR_BY_DISTANCE;
+    double isovalue;
+    bool chosen;
+    file->input.grid = file->settings.rest[0] && !distances ? file->settings.rest : NULL;
+    file->loader = (iso_loader){.input = file->settings.path,
+                                .options = &file->input,
+                                .pool = pool,
+                                .is_further = true,
+                                .wants_histogram = distances && isnan(file->settings.isovalue)};
+    ISO_TRY(iso_loader_open(&file->loader, error));
+    if (file->loader.has_points)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: holds points, no volume", file->settings.path);
+    ISO_TRY(iso_loader_read(&file->loader, error));
+    if (!distances) return ISO_OK;
+    ISO_TRY(iso_coloring_settings_isovalue(&file->settings, &file->loader, &isovalue, &chosen, error));
+    return iso_distance_of_isosurface(&file->loader.volume.grid, isovalue, pool, &file->distance, error);
+}
+
+static iso_status read_file(const iso_coloring_settings *settings, iso_pool *pool,
+                            isosculpt_color_file **read, iso_error *error) {
+    isosculpt_color_file *file = iso_alloc_zero(1, sizeof *file);
+    if (!file) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    file->settings = *settings;
+    const iso_status status = iso_coloring_settings_is_from_mesh(settings) ? read_mesh(file, error)
+                                                                           : read_volume(file, pool, error);
     if (status == ISO_OK)
-        *read = volume;
+        *read = file;
     else
-        close_volume(volume);
+        close_file(file);
     return status;
 }
 
@@ -79,7 +107,7 @@ static iso_status apply_map(isosculpt_color_by *by, const char *map, iso_error *
 iso_status isosculpt_color_by_set(isosculpt_viewport *viewport, const char *what, iso_error *error) {
     isosculpt_color_by *by = changeable(viewport, error);
     iso_coloring_settings settings;
-    isosculpt_color_volume *volume = NULL;
+    isosculpt_color_file *file = NULL;
     if (!by) return ISO_ERR_NOMEM;
     if (!what[0]) {
         by->what[0] = 0;
@@ -87,16 +115,17 @@ iso_status isosculpt_color_by_set(isosculpt_viewport *viewport, const char *what
     }
     if (strlen(what) >= sizeof by->what) return iso_fail(error, ISO_ERR_USAGE, "'%.40s..' is too long", what);
     ISO_TRY(iso_coloring_settings_parse(what, &settings, error));
-    if (settings.source == ISO_COLOR_BY_DISTANCE || settings.things.named)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--surface-color-by %s: a window colours by a volume, curvature, depth or normal",
+    if (settings.things.named)
+        return iso_fail(error, ISO_ERR_USAGE, "--surface-color-by %s: a window colours all surfaces alike",
                         what);
-    if (settings.path[0]) ISO_TRY(read_volume(&settings, viewport->pool, &volume, error));
-    close_volume(by->volume);
-    by->volume = volume;
+    if (settings.path[0]) ISO_TRY(read_file(&settings, viewport->pool, &file, error));
+    close_file(by->file);
+    by->file = file;
     snprintf(by->what, sizeof by->what, "%s", what);
     by->coloring.source = settings.source;
-    iso_coloring_set_grid(&by->coloring, volume ? &volume->loader.volume.grid : &viewport->grid);
+    by->coloring.distance = file ? file->distance : NULL;
+    iso_coloring_set_grid(&by->coloring, settings.source == ISO_COLOR_BY_VOLUME ? &file->loader.volume.grid
+                                                                                : &viewport->grid);
     iso_coloring_settings_title(&settings, ISO_WORLD_UNIT_NONE, &by->coloring.bar);
     by->ranged_isovalue = NAN;
     return apply_map(by, by->map, error);
@@ -144,7 +173,7 @@ iso_status isosculpt_color_by_find_range(isosculpt_viewport *viewport, bool movi
 void isosculpt_color_by_free(isosculpt_viewport *viewport) {
     isosculpt_color_by *by = viewport->color_by;
     if (!by) return;
-    close_volume(by->volume);
+    close_file(by->file);
     iso_color_table_free(&by->table);
     iso_free(by);
     viewport->color_by = NULL;

@@ -19,17 +19,17 @@ typedef struct isosculpt_color_by {
     double range[2];                /* as of --range; NAN: found on the first surface */
     iso_coloring coloring;          /* with the range of the last picture at rest */
     iso_color_table table;          /* of a map that is a file */
-    struct isosculpt_color_volume *volume; /* owned; NULL: it is none */
-    double ranged_isovalue;                /* the surface that the range was found on; NAN: not found yet */
+    struct isosculpt_color_file *file; /* owned; NULL: it is none */
+    double ranged_isovalue;            /* the surface that the range was found on; NAN: not found yet */
 } isosculpt_color_by;
 
 /* What the surfaces are coloured by; never NULL. */
 const isosculpt_color_by *isosculpt_viewport_color_by(const isosculpt_viewport *viewport);
 
-/* Sets what they are coloured by: "" (nothing), curvature, depth, normal or VOLUME[:ARRAY], which is read;
- * the map: a name, the path of a file, or "" (the usual one); the range: NAN: it is found. The next picture
- * shows it. ISO_ERR_USAGE: not understood, or distance:FILE, which only isorender has; ISO_ERR_NOMEM, and the
- * errors of reading a volume or colours: what was set before stays. */
+/* Sets what they are coloured by: "" (nothing), curvature, depth, normal, VOLUME[:ARRAY] or
+ * distance:FILE[:ISOVALUE], which is read; the map: a name, the path of a file, or "" (the usual one); the
+ * range: NAN: it is found. The next picture shows it. ISO_ERR_USAGE: not understood; ISO_ERR_NOMEM, and the
+ * errors of reading a volume, a mesh or colours: what was set before stays. */
 iso_status isosculpt_color_by_set(isosculpt_viewport *viewport, const char *what, iso_error *error);
 iso_status isosculpt_color_by_set_map(isosculpt_viewport *viewport, const char *map, iso_error *error);
 iso_status isosculpt_color_by_set_range(isosculpt_viewport *viewport, const double range[2],

@@ -7,6 +7,7 @@
 #include <GLFW/glfw3.h>
 
 #include "apps/isosculpt/style.h"
+#include "apps/isosculpt/viewport/color_by.h"
 #include "apps/isosculpt/window/opening.h"
 #include "apps/isosculpt/window/reference.h"
 #include "apps/isosculpt/window/saving.h"
@@ -114,10 +115,12 @@ static void apply_isovalue(window *w) {
         w->last_change = iso_clock_seconds(); /* the exact picture is drawn after a pause */
 }
 
-/* Colours the surfaces by a volume, which is read. */
-static void color_by(window *w, const char *path) {
+/* Colours the surfaces by a volume, or by their distance from what is in a file, which is read. */
+static void color_by(window *w, const char *path, bool distance) {
     iso_error reason = {0};
-    if (isosculpt_style_set(&w->viewport, "surface-color-by", path, &reason) != ISO_OK)
+    char value[ISOSCULPT_COLOR_TEXT];
+    snprintf(value, sizeof value, "%s%s", distance ? "distance:" : "", path);
+    if (isosculpt_style_set(&w->viewport, "surface-color-by", value, &reason) != ISO_OK)
         isosculpt_window_set_status(w, true, reason.text);
     w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
 }
@@ -130,8 +133,8 @@ static void use_chosen_path(window *w) {
         isosculpt_window_request_screenshot(w, path);
     else if (isosculpt_browser_saves(purpose))
         isosculpt_window_request_save(w, purpose, path);
-    else if (purpose == ISOSCULPT_BROWSE_COLORS)
-        color_by(w, path);
+    else if (purpose == ISOSCULPT_BROWSE_COLORS || purpose == ISOSCULPT_BROWSE_DISTANCES)
+        color_by(w, path, purpose == ISOSCULPT_BROWSE_DISTANCES);
     else
         isosculpt_window_open_file(w, path, purpose == ISOSCULPT_BROWSE_STAMP);
 }

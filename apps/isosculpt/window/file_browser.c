@@ -30,6 +30,9 @@ const isosculpt_file_type *isosculpt_browser_types(isosculpt_purpose purpose) {
                   {.label = NULL}},
         stamp[] = {{.label = "meshes", .holds = ISO_HOLDS_MESH}, {.label = "all files"}, {.label = NULL}},
         colors[] = {{.label = "volumes", .holds = ISO_HOLDS_VOLUME}, {.label = "all files"}, {.label = NULL}},
+        distances[] = {{.label = "volumes and meshes", .holds = ISO_HOLDS_VOLUME | ISO_HOLDS_MESH},
+                       {.label = "all files"},
+                       {.label = NULL}},
         save[] = {{.label = "level set", .type = ISO_FILE_vdb},
                   {.label = "mesh", .type = ISO_FILE_stl},
                   {.label = "mesh", .type = ISO_FILE_ply},
@@ -43,7 +46,8 @@ const isosculpt_file_type *isosculpt_browser_types(isosculpt_purpose purpose) {
         picture[] = {{.label = "picture", .type = ISO_FILE_png},
                      {.label = "scene", .type = ISO_FILE_json},
                      {.label = NULL}};
-    static const isosculpt_file_type *const all[] = {NULL, open, stamp, colors, save, export, picture};
+    static const isosculpt_file_type *const all[] = {NULL,      open, stamp,  colors,
+                                                     distances, save, export, picture};
     return all[purpose];
 }
 

@@ -17,7 +17,8 @@ typedef enum isosculpt_purpose {
     ISOSCULPT_BROWSE_NOTHING, /* the dialog is closed */
     ISOSCULPT_BROWSE_OPEN,
     ISOSCULPT_BROWSE_STAMP,
-    ISOSCULPT_BROWSE_COLORS, /* a volume that surfaces are coloured by */
+    ISOSCULPT_BROWSE_COLORS,    /* a volume that surfaces are coloured by */
+    ISOSCULPT_BROWSE_DISTANCES, /* a volume or a mesh from which they are coloured by their distance */
     ISOSCULPT_BROWSE_SAVE,
     ISOSCULPT_BROWSE_EXPORT,
     ISOSCULPT_BROWSE_PICTURE

@@ -26,6 +26,7 @@ static bool choose_source(isosculpt_screen *screen) {
             changed = true;
         }
     if (ImGui::Selectable("a volume ..", false)) screen->browse_request = ISOSCULPT_BROWSE_COLORS;
+    if (ImGui::Selectable("distance from ..", false)) screen->browse_request = ISOSCULPT_BROWSE_DISTANCES;
     ImGui::EndCombo();
     return changed;
 }

@@ -54,23 +54,28 @@ typedef struct labelled {
     iso_label_fields *fields;
 } labelled;
 
-/* Makes fields of voxels; each label its own group. */
-static labelled make_fields(const uint16_t *voxels, const int dims[3], iso_pool *pool, bool one_group) {
-    labelled l = {0};
+/* Makes fields of voxels; each label its own group, or all one. (They borrow the labels: *l must stay where
+ * it is.) */
+static void make_fields_at(int places, const uint16_t *voxels, const int dims[3], iso_pool *pool,
+                           bool one_group, labelled *l) {
     iso_error error = {0};
     iso_grid grid = {0};
     const iso_rgrid_desc desc = {
         .dims = {dims[0], dims[1], dims[2]}, .type = ISO_UINT16, .data = (void *)(uintptr_t)voxels};
     assert_int_equal(iso_rgrid_create(&desc, &grid.rgrid, &error), ISO_OK);
-    assert_int_equal(iso_labels_make(&grid, pool, &l.labels, &error), ISO_OK);
+    assert_int_equal(iso_labels_make(&grid, pool, &l->labels, &error), ISO_OK);
     iso_grid_destroy(&grid);
-    uint8_t *group = calloc((size_t)l.labels.count, 1);
-    for (int i = 1; i < l.labels.count; i++) group[i] = one_group ? 1 : (uint8_t)i;
-    assert_int_equal(iso_label_fields_make(&l.labels, group, one_group ? 1 : l.labels.count - 1, one_group,
-                                           pool, &l.fields, &error),
+    uint8_t *group = calloc((size_t)l->labels.count, 1);
+    for (int i = 1; i < l->labels.count; i++) group[i] = one_group ? 1 : (uint8_t)i;
+    assert_int_equal(iso_label_fields_make(&l->labels, group, one_group ? 1 : l->labels.count - 1, places,
+                                           pool, &l->fields, &error),
                      ISO_OK);
     free(group);
-    return l;
+}
+
+static void make_fields(const uint16_t *voxels, const int dims[3], iso_pool *pool, bool one_group,
+                        labelled *l) {
+    make_fields_at(one_group ? ISO_LABELS_INSIDE : ISO_LABELS_DRAWN, voxels, dims, pool, one_group, l);
 }
 
 static void free_fields(labelled *l) {
@@ -135,7 +140,8 @@ static void measure_at(const shape *s, iso_vec3 c, errors *e, size_t *rays, doub
             for (int x = 0; x < SIDE; x++)
                 voxels[place_of(x, y, z)] =
                     s->distance(iso_vec3_sub(iso_vec3_make(x, y, z), c), s->size) < 0 ? 7 : 0;
-    labelled l = make_fields(voxels, dims, NULL, false);
+    labelled l;
+    make_fields(voxels, dims, NULL, false, &l);
     const iso_grid grid = {.hgrid = iso_label_fields_grid(l.fields, 1)};
     for (int z = 0; z < SIDE; z++)
         for (int y = 0; y < SIDE; y++)
@@ -271,7 +277,9 @@ static void no_voxel_changes(void **state) {
     (void)state;
     const int dims[3] = {SIDE, SIDE, SIDE};
     uint16_t *voxels = make_organs();
-    labelled one = make_fields(voxels, dims, NULL, true), each = make_fields(voxels, dims, NULL, false);
+    labelled one, each;
+    make_fields(voxels, dims, NULL, true, &one);
+    make_fields(voxels, dims, NULL, false, &each);
     uint8_t ones[16], all[16];
     assert_true(one.labels.count <= 16);
     for (int i = 0; i < one.labels.count; i++) ones[i] = i > 0, all[i] = (uint8_t)i;
@@ -287,7 +295,9 @@ static void places_have_one_label(void **state) {
     (void)state;
     const int dims[3] = {SIDE, SIDE, SIDE};
     uint16_t *voxels = make_organs();
-    labelled one = make_fields(voxels, dims, NULL, true), each = make_fields(voxels, dims, NULL, false);
+    labelled one, each;
+    make_fields(voxels, dims, NULL, true, &one);
+    make_fields(voxels, dims, NULL, false, &each);
     const iso_grid solid = {.hgrid = iso_label_fields_grid(one.fields, 1)};
     uint32_t random = 5;
     int inside = 0, overlaps = 0, other = 0, gaps = 0;
@@ -320,6 +330,55 @@ static void places_have_one_label(void **state) {
     free(voxels);
 }
 
+/* ---- fields where they are drawn alone */
+
+/* Whether a voxel of the level sets is a corner of a cell with voxels inside and outside, or beside one. */
+static bool is_drawn(const iso_grid *grid, const int at[3]) {
+    for (int axis = -1; axis < 3; axis++)
+        for (int step = -1; step <= 1; step++) {
+            int corner[3] = {at[0], at[1], at[2]}, inside = 0, all = 0;
+            if (axis >= 0) corner[axis] += step;
+            for (int i = 0; i < 27; i++) { /* the corners of the eight cells around it */
+                const int v[3] = {corner[0] + i % 3 - 1, corner[1] + i / 3 % 3 - 1, corner[2] + i / 9 - 1};
+                if (v[0] < 0 || v[1] < 0 || v[2] < 0 || v[0] > SIDE || v[1] > SIDE || v[2] > SIDE) continue;
+                all++;
+                inside += iso_grid_at(grid, v[0], v[1], v[2]) < 0;
+            }
+            /* (a neighbourhood with both may have no cell with both at this corner: then it is beside one) */
+            if (inside > 0 && inside < all) return true;
+        }
+    return false;
+}
+
+static void drawn_fields_are_those_of_the_band(void **state) {
+    (void)state;
+    const int dims[3] = {SIDE, SIDE, SIDE};
+    uint16_t *voxels = make_organs();
+    labelled drawn, band;
+    make_fields_at(ISO_LABELS_DRAWN, voxels, dims, NULL, false, &drawn);
+    make_fields_at(ISO_LABELS_BAND, voxels, dims, NULL, false, &band);
+    int compared = 0, saved = 0;
+    for (int g = 1; g < drawn.labels.count; g++) {
+        const iso_grid a = {.hgrid = iso_label_fields_grid(drawn.fields, g)},
+                       b = {.hgrid = iso_label_fields_grid(band.fields, g)};
+        for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+            const int at[3] = {1 + i % SIDE, 1 + i / SIDE % SIDE, 1 + i / SIDE / SIDE};
+            const float value = iso_grid_at(&a, at[0], at[1], at[2]),
+                        other = iso_grid_at(&b, at[0], at[1], at[2]);
+            assert_true((value < 0) == (other < 0));
+            saved += value != other;
+            if (!is_drawn(&b, at)) continue;
+            assert_true(value == other);
+            compared++;
+        }
+    }
+    print_message("%d voxels are drawn, %d more have fields in the band\n", compared, saved);
+    assert_true(compared > 10000 && saved > compared);
+    free_fields(&drawn);
+    free_fields(&band);
+    free(voxels);
+}
+
 /* ---- the same bytes */
 
 static uint64_t hash_grid(const iso_hgrid *grid) {
@@ -340,7 +399,8 @@ static uint64_t hash_organs(const uint16_t *voxels, int threads, iso_cpu_level l
     iso_pool *pool;
     test_ok(iso_pool_create(threads, &pool, &error), &error);
     iso_cpu_limit(level);
-    labelled l = make_fields(voxels, dims, pool, false);
+    labelled l;
+    make_fields(voxels, dims, pool, false, &l);
     uint64_t hash = 0;
     for (int g = 1; g < l.labels.count; g++) hash = hash * 31 + hash_grid(iso_label_fields_grid(l.fields, g));
     free_fields(&l);
@@ -396,7 +456,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shapes_are_true),          cmocka_unit_test(no_voxel_changes),
         cmocka_unit_test(places_have_one_label),    cmocka_unit_test(same_bytes),
-        cmocka_unit_test(floats_are_labels_or_not),
+        cmocka_unit_test(floats_are_labels_or_not), cmocka_unit_test(drawn_fields_are_those_of_the_band),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
