@@ -384,7 +384,10 @@ static iso_status write_points(player *p, const char *path, iso_error *error) {
 }
 
 static iso_status write_mesh(player *p, const char *path, iso_error *error) {
-    const isosculpt_mesh_opts opts = {.closed = p->settings->closed != 0, .pool = p->pool};
+    const isosculpt_painted painted = isosculpt_painted_make(
+        iso_session_items(p->session), iso_session_grid(p->session), ISOSCULPT_SURFACE_COLOR);
+    const isosculpt_mesh_opts opts = {
+        .closed = p->settings->closed != 0, .pool = p->pool, .painted = &painted};
     p->report->mesh_path = path;
     return isosculpt_mesh_write(path, iso_session_grid(p->session), &opts, &p->report->mesh, error);
 }
@@ -484,6 +487,9 @@ static iso_status prepare(player *p, iso_error *error) {
     if (writes_label(p->settings)) ISO_TRY(iso_grid_copy(&grid, p->pool, &p->first, error));
     if (!p->viewport) return ISO_OK;
     ISO_TRY(isosculpt_viewport_init(p->viewport, grid.hgrid, p->pool, error));
+    p->viewport->painted =
+        isosculpt_painted_make(iso_session_items(p->session), grid.hgrid, ISOSCULPT_SURFACE_COLOR);
+    p->viewport->painted.log = iso_session_paint_log(p->session);
     ISO_TRY(add_reference(p, error));
     return isosculpt_viewport_draw(p->viewport, size[0], size[1], false, error);
 }

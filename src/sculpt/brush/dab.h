@@ -50,6 +50,8 @@ typedef struct iso_dabs {
     float depth;    /* voxels: of a layer of CLAY, of the groove that a touch of CREASE digs; otherwise 0 */
     float aspect;   /* in brush radii */
     float band;     /* of the grid, voxels */
+    uint32_t color; /* the brush's, as of a painted voxel (field/paint.h); 0: it has none */
+    int cover;      /* how much of the colour a touch lays on, at its centre; 0 .. ISO_PAINT_ONE */
     int count;      /* of dabs */
     iso_dab dab[ISO_DAB_MAX];
     const iso_hgrid *stamp; /* the level of the stamp for this radius; NULL: no stamp is set */
