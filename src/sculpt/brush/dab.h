@@ -105,6 +105,14 @@ typedef struct iso_dab_kernel {
      * that differ from `before` in any bit. Returns whether there are any. */
     bool (*find_changes)(const float *before, const iso_voxel_bits *masked, float *values,
                          iso_voxel_bits *changed);
+    /* Marks the voxels of a brick whose distances are inside of the band. */
+    void (*find_band)(const float *values, float band, iso_voxel_bits *inside);
+    /* Writes the colours `from` (NULL: none) of the voxels `inside`, or `color` where they are also in `set`;
+     * 0 to all others. */
+    void (*set_colors)(const uint32_t *from, const iso_voxel_bits *inside, const iso_voxel_bits *set,
+                       uint32_t color, uint32_t *out);
+    /* Marks the voxels whose colours differ (before NULL: from none). Returns whether there are any. */
+    bool (*find_recolored)(const uint32_t *before, const uint32_t *colors, iso_voxel_bits *changed);
 } iso_dab_kernel;
 
 ISO_KERNEL_UNITS(const iso_dab_kernel, iso_dab_kernel);

@@ -181,17 +181,16 @@ static int falloff_at(iso_falloff falloff, double square, double radius_square) 
 static int weight_at(const iso_dabs *dabs, const local_brush *local, int voxel) {
     const int64_t at[3] = {4096 * (voxel % ISO_BRICK), 4096 * (voxel / ISO_BRICK % ISO_BRICK),
                            4096 * (voxel / ISO_BRICK_ROWS)};
-    int most = 0;
+    double least = INFINITY;
     for (int i = 0; i < dabs->count; i++) {
         double square = 0;
         for (int k = 0; k < 3; k++) {
             const double d = (double)(at[k] - local->centre[i][k]);
             square += d * d;
         }
-        const int weight = falloff_at(dabs->falloff, square, local->square);
-        most = weight > most ? weight : most;
+        least = square < least ? square : least;
     }
-    return (int)((int64_t)most * dabs->cover / ISO_PAINT_ONE);
+    return (int)((int64_t)falloff_at(dabs->falloff, least, local->square) * dabs->cover / ISO_PAINT_ONE);
 }
 
 /* ---- the colours after a touch */
@@ -200,15 +199,13 @@ static int weight_at(const iso_dabs *dabs, const local_brush *local, int voxel) 
 typedef struct cell_source {
     const iso_painter *painter;
     const iso_painted_cell *cell;
-    const float *before, *after;  /* distances */
+    const float *after;           /* distances */
+    iso_voxel_bits inside;        /* voxels that were in the band */
+    bool near;                    /* there is paint here or beside the cell */
     const iso_paint_item *old;    /* colours; NULL: none */
     const iso_voxel_bits *frozen; /* NULL: none */
     local_brush brush;
 } cell_source;
-
-static bool is_marked(const iso_voxel_bits *bits, int voxel) {
-    return bits && bits->row[voxel / ISO_BRICK] >> voxel % ISO_BRICK & 1;
-}
 
 /* The distance and the colour, before the touch, of a voxel that may lie beside the cell. False: it is
  * outside of the grid, or has no distance. */
@@ -252,42 +249,64 @@ static bool is_near_paint(const iso_painter *painter, const iso_painted_cell *ce
     return false;
 }
 
-static uint32_t color_of(const cell_source *s, int voxel) {
+/* The bits of a row of a set; NULL: the set is empty. */
+static uint32_t row_of(const iso_voxel_bits *bits, int row) {
+    return bits ? bits->row[row] : 0;
+}
+
+/* Lays the brush's colour over the marked voxels of a row. */
+static void lay_colors(const cell_source *s, int row, uint32_t marked, uint32_t *out) {
     const iso_dabs *dabs = s->painter->dabs;
-    const float band = s->painter->transaction->grid->band;
-    const bool warps = iso_tool_is_warp(dabs->tool), frozen = is_marked(s->frozen, voxel);
-    const iso_paint_item *from = warps && !frozen ? s->cell->warped : s->old;
-    const uint32_t color = from ? from->voxel[voxel] : 0;
-    if (frozen) return color;
-    if (iso_tool_is_set_operation(dabs->tool) && is_marked(&s->cell->changed, voxel)) return dabs->color;
-    if (!warps && !(fabsf(s->before[voxel]) < band)) return extend(s, voxel);
-    return color;
+    for (; marked; marked &= marked - 1) {
+        const int x = __builtin_ctz(marked);
+        out[x] = iso_paint_over(out[x], dabs->color, weight_at(dabs, &s->brush, row * ISO_BRICK + x));
+    }
+}
+
+/* Sets the colours of a row that are made one by one. inside: the voxels in the band; changed: those that the
+ * brush has changed and that are not frozen. */
+static void refine_row(const cell_source *s, int row, uint32_t inside, uint32_t changed, uint32_t *out) {
+    const iso_dabs *dabs = s->painter->dabs;
+    const bool warps = iso_tool_is_warp(dabs->tool), paints = dabs->tool == ISO_TOOL_PAINT,
+               sets = iso_tool_is_set_operation(dabs->tool);
+    const uint32_t frozen = row_of(s->frozen, row);
+    uint32_t entering =
+        warps || !s->near ? 0 : inside & ~(uint32_t)s->inside.row[row] & ~frozen & ~(sets ? changed : 0);
+    for (uint32_t bits = warps ? frozen & inside : 0; bits; bits &= bits - 1) {
+        const int x = __builtin_ctz(bits);
+        out[x] = s->old ? s->old->voxel[row * ISO_BRICK + x] : 0;
+    }
+    for (; entering; entering &= entering - 1)
+        out[__builtin_ctz(entering)] = extend(s, row * ISO_BRICK + __builtin_ctz(entering));
+    if (paints || (dabs->color && covers(dabs->tool)))
+        lay_colors(s, row, paints ? inside & ~frozen : changed, out);
 }
 
 static void make_colors(const cell_source *s, uint32_t *out) {
     const iso_dabs *dabs = s->painter->dabs;
-    const float band = s->painter->transaction->grid->band;
-    const bool paints = dabs->tool == ISO_TOOL_PAINT, layers = paints || (dabs->color && covers(dabs->tool));
-    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
-        out[i] = fabsf(s->after[i]) < band ? color_of(s, i) : 0;
-        if (!layers || !(fabsf(s->after[i]) < band) || is_marked(s->frozen, i)) continue;
-        if (paints || is_marked(&s->cell->changed, i))
-            out[i] = iso_paint_over(out[i], dabs->color, weight_at(dabs, &s->brush, i));
-    }
+    const iso_transaction *t = s->painter->transaction;
+    const iso_paint_item *from = iso_tool_is_warp(dabs->tool) ? s->cell->warped : s->old;
+    iso_voxel_bits inside, changed;
+    static const iso_voxel_bits none;
+    t->dab->find_band(s->after, t->grid->band, &inside);
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        changed.row[row] = (uint16_t)(s->cell->changed.row[row] & inside.row[row] & ~row_of(s->frozen, row));
+    t->dab->set_colors(from ? from->voxel : NULL, &inside,
+                       iso_tool_is_set_operation(dabs->tool) ? &changed : &none, dabs->color, out);
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        if (inside.row[row]) refine_row(s, row, inside.row[row], changed.row[row], out + row * ISO_BRICK);
 }
 
-/* Marks the voxels whose colours differ; returns whether there are any. */
-static bool find_differences(const iso_paint_item *old, const uint32_t *made, iso_voxel_bits *differing) {
+static bool any_marked(const iso_voxel_bits *bits) {
     uint32_t any = 0;
-    for (int row = 0; row < ISO_BRICK_ROWS; row++) {
-        uint32_t bits = 0;
-        for (int x = 0; x < ISO_BRICK; x++) {
-            const int i = row * ISO_BRICK + x;
-            bits |= (uint32_t)(made[i] != (old ? old->voxel[i] : 0)) << x;
-        }
-        differing->row[row] = (uint16_t)bits;
-        any |= bits;
-    }
+    for (int row = 0; row < ISO_BRICK_ROWS; row++) any |= bits->row[row];
+    return any != 0;
+}
+
+static bool has_colors(const iso_paint_item *item) {
+    uint32_t any = 0;
+    for (int i = 0; i < ISO_BRICK_VOXELS && !any; i += ISO_BRICK)
+        for (int k = 0; k < ISO_BRICK; k++) any |= item->voxel[i + k];
     return any != 0;
 }
 
@@ -296,25 +315,29 @@ static void finish_cell(void *context, size_t index, int worker) {
     iso_painter *painter = context;
     const iso_transaction *t = painter->transaction;
     iso_painted_cell *cell = iso_painter_cell(painter, index);
-    if (!cell->warped && !painter->dabs->color && !is_near_paint(painter, cell)) return;
-    const int32_t state = t->grid->cell[cell->cell];
+    const bool near = is_near_paint(painter, cell),
+               brings = painter->dabs->color &&
+                        (painter->dabs->tool == ISO_TOOL_PAINT || any_marked(&cell->changed));
+    if (!cell->warped && !brings && !near) return;
+    cell->made = create_item(painter);
+    if (!cell->made) return;
+    const float *before = iso_transaction_grid_values(t, t->grid->cell[cell->cell]);
     const uint32_t edited = t->edit_cell_of[cell->cell];
     cell_source s = {.painter = painter,
                      .cell = cell,
-                     .before = iso_transaction_grid_values(t, state),
+                     .after = edited ? iso_transaction_values(t, edited - 1) : before,
+                     .near = near,
                      .old = item_of(painter, cell->cell),
                      .frozen = iso_mask_bits(iso_transaction_mask(t), cell->cell),
                      .brush = make_local_brush(painter->dabs, cell->at)};
-    s.after = edited ? iso_transaction_values(t, edited - 1) : s.before;
-    iso_paint_item made;
+    if (near) t->dab->find_band(before, t->grid->band, &s.inside);
     iso_voxel_bits differing;
-    make_colors(&s, made.voxel);
-    cell->differs = find_differences(s.old, made.voxel, &differing);
-    if (!cell->differs) return;
+    make_colors(&s, cell->made->voxel);
+    cell->differs = t->dab->find_recolored(s.old ? s.old->voxel : NULL, cell->made->voxel, &differing);
     cell->changed = differing;
-    uint32_t any = 0;
-    for (int i = 0; i < ISO_BRICK_VOXELS; i++) any |= made.voxel[i];
-    if (any && (cell->made = create_item(painter))) *cell->made = made;
+    if (cell->differs && has_colors(cell->made)) return;
+    iso_item_release(cell->made);
+    cell->made = NULL;
 }
 
 iso_status iso_painter_finish(iso_painter *painter, bool *any, iso_error *error) {
