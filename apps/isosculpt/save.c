@@ -246,11 +246,14 @@ static iso_status write_snapshot(isosculpt_saver *saver, FILE *stream, const iso
     const isosculpt_painted painted = isosculpt_painted_make(&saver->items, grid, saver->color);
     const isosculpt_mesh_opts mesh = {
         .closed = saver->closed, .progress = &writing, .painted = &painted, .stream = stream};
+    const iso_level_set_colors colors = isosculpt_painted_voxels(&painted);
     saver->nothing_left = !has_solid(grid);
-    iso_status status = saver->segmentation ? write_label(saver, grid, stream, &writing, error)
-                        : is_level_set(saver->path)
-                            ? iso_level_set_put_vdb(stream, saver->path, grid, "surface", &writing, error)
-                            : isosculpt_mesh_write(saver->path, grid, &mesh, &saver->measures, error);
+    iso_status status =
+        saver->segmentation ? write_label(saver, grid, stream, &writing, error)
+        : is_level_set(saver->path)
+            ? iso_level_set_put_vdb(stream, saver->path, grid, "surface",
+                                    isosculpt_painted_any(&painted) ? &colors : NULL, &writing, error)
+            : isosculpt_mesh_write(saver->path, grid, &mesh, &saver->measures, error);
     iso_hgrid_destroy(grid);
     return status;
 }

@@ -31,3 +31,9 @@ static iso_rgb color_at(const void *context, const iso_colored_point *point, siz
 iso_coloring isosculpt_painted_coloring(const isosculpt_painted *painted) {
     return (iso_coloring){.given = {color_at, painted}};
 }
+
+iso_level_set_colors isosculpt_painted_voxels(const isosculpt_painted *painted) {
+    const iso_rgb own = painted->own;
+    return (iso_level_set_colors){.cell = (const void *const *)painted->view.paint->cell,
+                                  .own = {own.r, own.g, own.b}};
+}

@@ -2,6 +2,7 @@
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_PAINTED_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_PAINTED_H
 
+#include "grids/level_set.h"
 #include "scene/coloring.h"
 #include "sculpt/session/session.h"
 
@@ -29,6 +30,9 @@ iso_rgb isosculpt_painted_color(const isosculpt_painted *painted, iso_vec3 place
 
 /* How a surface is coloured by paint; borrows `painted`. */
 iso_coloring isosculpt_painted_coloring(const isosculpt_painted *painted);
+
+/* The same for .vdb files; borrows the items of `painted`. */
+iso_level_set_colors isosculpt_painted_voxels(const isosculpt_painted *painted);
 
 #ifdef __cplusplus
 }
