@@ -9,14 +9,15 @@
 #include "grids/volume/module.h"
 
 iso_status iso_level_set_put_vdb(FILE *stream, const char *path, const iso_hgrid *grid, const char *name,
-                                 const iso_progress *progress, iso_error *error) {
+                                 const iso_level_set_colors *colors, const iso_progress *progress,
+                                 iso_error *error) {
     const double *s = grid->transform.spacing;
     if (fabs(s[0] - s[1]) > 1e-6 * s[0] || fabs(s[0] - s[2]) > 1e-6 * s[0])
         return iso_fail(error, ISO_ERR_USAGE, "%s: voxels of %g x %g x %g mm are no cubes", path, s[0], s[1],
                         s[2]);
     const iso_module *module;
     ISO_TRY(iso_module_load(path, "vdb", "OpenVDB", &module, error));
-    ISO_TRY(module->write_level_set(stream, path, grid, name, progress, error));
+    ISO_TRY(module->write_level_set(stream, path, grid, name, colors, progress, error));
     return iso_progress_tell(progress, path, 1, error);
 }
 
@@ -24,7 +25,7 @@ iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, cons
                                    const iso_progress *progress, iso_error *error) {
     iso_sink sink;
     ISO_TRY(iso_sink_open(path, &sink, error));
-    const iso_status status = iso_level_set_put_vdb(sink.stream, path, grid, name, progress, error);
+    const iso_status status = iso_level_set_put_vdb(sink.stream, path, grid, name, NULL, progress, error);
     if (status == ISO_OK) return iso_sink_commit(&sink, error);
     iso_sink_abort(&sink);
     return status;

@@ -20,10 +20,20 @@
 iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, const char *name,
                                    const iso_progress *progress, iso_error *error);
 
-/* The same to a stream of the caller; `path` is used in messages. Errors of the stream are the caller's to
- * find (iso_sink_commit). */
+/* Colours of a level set's voxels. */
+typedef struct iso_level_set_colors {
+    const void *const
+        *cell; /* by cell: ISO_BRICK_VOXELS words as of a brick, sRGB with red in the lowest byte,
+                                and in the highest how much it covers `own`; NULL: nothing covers it */
+    uint8_t own[3];
+} iso_level_set_colors;
+
+/* The same to a stream of the caller, and with colours (NULL: none) as a second grid "Cd" of vectors: linear
+ * red, green and blue, as Houdini and Blender read them. `path` is used in messages. Errors of the stream are
+ * the caller's to find (iso_sink_commit). */
 iso_status iso_level_set_put_vdb(FILE *stream, const char *path, const iso_hgrid *grid, const char *name,
-                                 const iso_progress *progress, iso_error *error);
+                                 const iso_level_set_colors *colors, const iso_progress *progress,
+                                 iso_error *error);
 
 /* The grid that a mesh or lines are sampled in: whole bricks of cubic voxels along the world's axes, with
  * their box in the middle and at least `margin` voxels around it. */

@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-/* The first four are set operations with the brush's solid; the others deform, or change the mask. */
+/* The first four are set operations with the brush's solid; the others deform, change the mask, or paint. */
 typedef enum iso_tool {
     ISO_TOOL_ADD,         /* union */
     ISO_TOOL_CARVE,       /* difference */
@@ -30,6 +30,7 @@ typedef enum iso_tool {
     ISO_TOOL_UNMASK,
     ISO_TOOL_CLEAR_MASK,  /* at a stroke's first sample: unfreezes all voxels, wherever the sample is */
     ISO_TOOL_INVERT_MASK, /* the same: freezes what is not frozen, and unfreezes the rest */
+    ISO_TOOL_PAINT,       /* lays the brush's colour over the surface; without a colour: takes paint away */
     ISO_TOOL_COUNT
 } iso_tool;
 
@@ -67,6 +68,8 @@ typedef struct iso_brush {
     iso_vec3 mirror;        /* a point in the world, mm */
     bool pressure_radius;   /* pressure scales the radius */
     bool pressure_strength; /* pressure scales the strength */
+    bool has_color;         /* the surface that PAINT, the first four tools, INFLATE, FILL and CLAY make .. */
+    iso_rgb color;          /* .. has this colour (sRGB); without one it has no paint */
 } iso_brush;
 
 /* One position of the pointer during a stroke, on the surface or in space. */

@@ -17,11 +17,11 @@ static const double CLICK_PIXELS = 2;
 static const struct {
     iso_tool tool;
     char key;
-} tools[ISOSCULPT_TOOLS] = {{ISO_TOOL_ADD, '1'},    {ISO_TOOL_CARVE, '2'},     {ISO_TOOL_BLEND_ADD, '3'},
-                            {ISO_TOOL_SMOOTH, '4'}, {ISO_TOOL_INFLATE, '5'},   {ISO_TOOL_FLATTEN, '6'},
-                            {ISO_TOOL_PINCH, '7'},  {ISO_TOOL_MOVE, '8'},      {ISO_TOOL_MASK, '9'},
-                            {ISO_TOOL_CLAY, '0'},   {ISO_TOOL_SCRAPE, 't'},    {ISO_TOOL_FILL, 'l'},
-                            {ISO_TOOL_CREASE, 'w'}, {ISO_TOOL_SNAKE_HOOK, 'j'}};
+} tools[ISOSCULPT_TOOLS] = {{ISO_TOOL_ADD, '1'},    {ISO_TOOL_CARVE, '2'},      {ISO_TOOL_BLEND_ADD, '3'},
+                            {ISO_TOOL_SMOOTH, '4'}, {ISO_TOOL_INFLATE, '5'},    {ISO_TOOL_FLATTEN, '6'},
+                            {ISO_TOOL_PINCH, '7'},  {ISO_TOOL_MOVE, '8'},       {ISO_TOOL_MASK, '9'},
+                            {ISO_TOOL_CLAY, '0'},   {ISO_TOOL_SCRAPE, 't'},     {ISO_TOOL_FILL, 'l'},
+                            {ISO_TOOL_CREASE, 'w'}, {ISO_TOOL_SNAKE_HOOK, 'j'}, {ISO_TOOL_PAINT, 'p'}};
 
 iso_tool isosculpt_controller_tool(int number) {
     return tools[number].tool;
@@ -49,9 +49,12 @@ static bool is_masked(const void *session, int x, int y, int z) {
     return iso_session_masked(session, x, y, z);
 }
 
-/* Passes the session's mask on to the viewport, which draws masked voxels darker. */
-static void update_mask(isosculpt_controller *controller) {
-    const iso_session *session = controller->document->session;
+/* Passes the session's paint on to the viewport, and its mask, whose voxels are drawn darker. */
+static void update_items(isosculpt_controller *controller) {
+    iso_session *session = controller->document->session;
+    controller->viewport->painted = isosculpt_painted_make(
+        iso_session_items(session), iso_session_grid(session), controller->viewport->mode.material.color);
+    controller->viewport->painted.log = iso_session_paint_log(session);
     bool any = iso_session_has_mask(session),
          masks = controller->tool == ISO_TOOL_MASK || controller->tool == ISO_TOOL_UNMASK;
     controller->viewport->mask_changed |= any != (controller->viewport->mask.at != NULL) || masks;
@@ -65,9 +68,10 @@ void isosculpt_controller_init(isosculpt_controller *controller, isosculpt_docum
     controller->brush = (iso_brush){.tool = ISO_TOOL_ADD,
                                     .radius = 16 * document->start.voxel_size,
                                     .strength = 0.5,
-                                    .pressure_radius = true};
+                                    .pressure_radius = true,
+                                    .color = {216, 72, 40}};
     isosculpt_controller_center_mirror(controller);
-    update_mask(controller);
+    update_items(controller);
 }
 
 void isosculpt_controller_free(isosculpt_controller *controller) {
@@ -97,7 +101,7 @@ bool isosculpt_tool_has_shape(iso_tool tool) {
 }
 
 bool isosculpt_tool_has_strength(iso_tool tool) {
-    return tool < ISO_TOOL_MASK;
+    return tool < ISO_TOOL_MASK || tool == ISO_TOOL_PAINT;
 }
 
 /* Returns the centre of a touch. For tools that add or remove a solid it is moved off the surface, so that
@@ -138,7 +142,7 @@ static void finish_edit(isosculpt_controller *controller, iso_status status, con
     controller->edited = true;
     controller->clipped |= stats->clipped;
     controller->commands |= ISOSCULPT_COMMAND_REDRAW;
-    update_mask(controller);
+    update_items(controller);
     if (status == ISO_OK)
         controller->error.text[0] = 0;
     else if (!controller->error.text[0])
@@ -156,10 +160,29 @@ static bool cancel_unfinished_stroke(isosculpt_controller *controller) {
     return !controller->stroke_unfinished;
 }
 
-/* Returns the brush of the stroke: the chosen brush with the stroke's tool. */
-static iso_brush stroke_brush(const isosculpt_controller *controller) {
+bool isosculpt_tool_has_color(iso_tool tool) {
+    return iso_tool_is_set_operation(tool) || tool == ISO_TOOL_PAINT || tool == ISO_TOOL_INFLATE ||
+           tool == ISO_TOOL_FILL || tool == ISO_TOOL_CLAY;
+}
+
+void isosculpt_controller_pick_color(isosculpt_controller *controller) {
+    isosculpt_pick pick;
+    const isosculpt_viewport *viewport = controller->viewport;
+    if (controller->viewing_volume || !isosculpt_controller_pick(controller, &pick)) return;
+    isosculpt_painted painted = viewport->painted;
+    painted.own = viewport->mode.material.color;
+    isosculpt_controller_brush(controller)->color = isosculpt_painted_color(&painted, pick.position);
+}
+
+/* Returns the brush of the stroke: the chosen brush with the stroke's tool. Painting has the colour, unless
+ * modifier keys turn it into taking paint away. */
+static iso_brush stroke_brush(const isosculpt_controller *controller, unsigned modifiers) {
     iso_brush brush = controller->brush;
     brush.tool = controller->tool;
+    if (brush.tool == ISO_TOOL_PAINT)
+        brush.has_color = !(modifiers & (ISOSCULPT_MODIFIER_CTRL | ISOSCULPT_MODIFIER_ALT));
+    else
+        brush.has_color &= isosculpt_tool_has_color(brush.tool);
     return isosculpt_brush_drawn(&brush);
 }
 
@@ -181,7 +204,7 @@ static void begin_drawing(isosculpt_controller *controller, unsigned modifiers, 
     iso_edit_stats stats = {0};
     if (!cancel_unfinished_stroke(controller)) return;
     controller->tool = isosculpt_controller_modified_tool(controller->brush.tool, modifiers);
-    const iso_brush brush = stroke_brush(controller);
+    const iso_brush brush = stroke_brush(controller, modifiers);
     if (isosculpt_viewport_keep_pick_buffer(controller->viewport, &controller->error) != ISO_OK) return;
     iso_sample sample = sample_at(controller, x, y);
     iso_status status = begin_stroke(controller, &brush, &sample, &stats);
@@ -586,6 +609,8 @@ static bool handle_brush_key(isosculpt_controller *controller, int key, unsigned
                                             : isosculpt_controller_brush(controller)->radius / RADIUS_STEP);
     else if (key == 'x' || key == 'c')
         controller->adjusting = (char)key;
+    else if (key == 'e')
+        isosculpt_controller_pick_color(controller);
     else if (key == ISOSCULPT_KEY_DELETE)
         isosculpt_stroke_editor_request_all(&controller->document->strokes, ISO_EVENT_DELETE,
                                             &controller->error);

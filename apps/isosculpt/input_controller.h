@@ -90,7 +90,7 @@ typedef struct isosculpt_controller {
 } isosculpt_controller;
 
 /* The tools that keys and buttons choose, and the key of each; number: 0 .. ISOSCULPT_TOOLS - 1. */
-enum { ISOSCULPT_TOOLS = 14 };
+enum { ISOSCULPT_TOOLS = 15 };
 iso_tool isosculpt_controller_tool(int number);
 char isosculpt_controller_tool_key(int number);
 /* Returns the tool of a stroke with modifier keys: Shift smooths, Ctrl or Alt inverts. */
@@ -138,6 +138,10 @@ enum { ISOSCULPT_RADIUS_LEAST = 2, ISOSCULPT_RADIUS_MOST = 256 };
 /* Sets the radius of the brush in mm, within these bounds. */
 void isosculpt_controller_set_radius(isosculpt_controller *controller, double radius);
 
+/* Whether strokes with the tool can have a colour (iso_brush.has_color); painting always has one. */
+bool isosculpt_tool_has_color(iso_tool tool);
+/* Takes the brush's colour from the surface under the pointer, if it is over one. */
+void isosculpt_controller_pick_color(isosculpt_controller *controller);
 /* Changes the whole mask as a stroke of its own: ISO_TOOL_CLEAR_MASK, or ISO_TOOL_INVERT_MASK. Does nothing
  * while the pointer is dragged, while a volume is shown, or while strokes are being edited. */
 void isosculpt_controller_change_mask(isosculpt_controller *controller, iso_tool tool);

@@ -132,6 +132,8 @@ iso_status isosculpt_document_check_target(const isosculpt_document *document, c
 struct isosculpt_saver {
     isosculpt_task *task;
     iso_snapshot *snapshot;    /* of the field */
+    iso_field_items items;     /* of the field; a copy */
+    iso_rgb color;             /* of the options */
     char path[ISOSCULPT_PATH]; /* of the file, symbolic links resolved */
     size_t change_count;       /* document->change_count when the save began */
     isosculpt_backup backup;   /* document->backup */
@@ -241,12 +243,17 @@ static iso_status write_snapshot(isosculpt_saver *saver, FILE *stream, const iso
                        writing = iso_progress_part(progress, 0.2, 1);
     iso_hgrid *grid;
     ISO_TRY(iso_snapshot_copy(saver->snapshot, &taking, &grid, error));
-    const isosculpt_mesh_opts mesh = {.closed = saver->closed, .progress = &writing, .stream = stream};
+    const isosculpt_painted painted = isosculpt_painted_make(&saver->items, grid, saver->color);
+    const isosculpt_mesh_opts mesh = {
+        .closed = saver->closed, .progress = &writing, .painted = &painted, .stream = stream};
+    const iso_level_set_colors colors = isosculpt_painted_voxels(&painted);
     saver->nothing_left = !has_solid(grid);
-    iso_status status = saver->segmentation ? write_label(saver, grid, stream, &writing, error)
-                        : is_level_set(saver->path)
-                            ? iso_level_set_put_vdb(stream, saver->path, grid, "surface", &writing, error)
-                            : isosculpt_mesh_write(saver->path, grid, &mesh, &saver->measures, error);
+    iso_status status =
+        saver->segmentation ? write_label(saver, grid, stream, &writing, error)
+        : is_level_set(saver->path)
+            ? iso_level_set_put_vdb(stream, saver->path, grid, "surface",
+                                    isosculpt_painted_any(&painted) ? &colors : NULL, &writing, error)
+            : isosculpt_mesh_write(saver->path, grid, &mesh, &saver->measures, error);
     iso_hgrid_destroy(grid);
     return status;
 }
@@ -285,9 +292,13 @@ static iso_status start_task(isosculpt_document *document, isosculpt_saver *save
     saver->segmentation = is_segmentation(document, document->saved_as);
     saver->start = document->start;
     memcpy(saver->journal, document->journal, sizeof saver->journal);
-    ISO_TRY(iso_session_snapshot(document->session, &saver->snapshot, error));
-    iso_status status = isosculpt_task_start(run_save, saver, wake, &saver->task, error);
-    if (status != ISO_OK) iso_session_release_snapshot(document->session, saver->snapshot);
+    ISO_TRY(iso_field_items_copy(iso_session_items(document->session), &saver->items, error));
+    iso_status status = iso_session_snapshot(document->session, &saver->snapshot, error);
+    if (status == ISO_OK) {
+        status = isosculpt_task_start(run_save, saver, wake, &saver->task, error);
+        if (status != ISO_OK) iso_session_release_snapshot(document->session, saver->snapshot);
+    }
+    if (status != ISO_OK) iso_field_items_free(&saver->items);
     return status;
 }
 
@@ -302,6 +313,7 @@ iso_status isosculpt_document_save(isosculpt_document *document, const isosculpt
     if (path != document->saved_as) snprintf(document->saved_as, sizeof document->saved_as, "%s", path);
     saver->is_export = opts->is_export;
     saver->closed = opts->closed;
+    saver->color = opts->color;
     iso_status status = start_task(document, saver, opts->wake, error);
     if (status != ISO_OK) {
         free(saver);
@@ -335,6 +347,7 @@ isosculpt_save_state isosculpt_document_poll_save(isosculpt_document *document, 
     document->saved_open_edges = saver->measures.open_edges;
     document->saved_nothing = saver->nothing_left;
     iso_session_release_snapshot(document->session, saver->snapshot);
+    iso_field_items_free(&saver->items);
     free(saver);
     document->saver = NULL;
     return ISOSCULPT_SAVE_DONE;

@@ -34,6 +34,7 @@ iso_status isosculpt_document_check_target(const isosculpt_document *document, c
 typedef struct isosculpt_save_opts {
     const char *path;   /* copied; NULL: the document's target */
     bool is_export;     /* write a copy: the document's target and its saved state stay unchanged */
+    iso_rgb color;      /* of a mesh's vertices where nothing is painted, if something is */
     bool closed;        /* a mesh is capped where the border of the grid cuts the solid */
     void (*wake)(void); /* isosculpt_task_start */
 } isosculpt_save_opts;

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/common/options.h"
+
 static iso_status parse_number(const char *text, char **end, unsigned *number, iso_error *error) {
     const unsigned long value = text[0] >= '0' && text[0] <= '9' ? strtoul(text, end, 10) : 0;
     if (value < 1 || value > 1000000000)
@@ -39,6 +41,16 @@ static iso_status parse_symmetry(const char *text, unsigned *symmetry, iso_error
     return ISO_OK;
 }
 
+static iso_status parse_brush_color(const char *text, iso_brush *brush, iso_error *error) {
+    uint8_t rgb[3];
+    brush->has_color = strcmp(text, "none") != 0;
+    if (!brush->has_color) return ISO_OK;
+    if (!iso_parse_color(text[0] == '#' ? text + 1 : text, rgb))
+        return iso_fail(error, ISO_ERR_USAGE, "color: '%s' is neither #RRGGBB nor none", text);
+    brush->color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
+    return ISO_OK;
+}
+
 /* Sets a member of the brush. */
 static iso_status change_brush(const char *key, const char *value, iso_brush *brush, iso_error *error) {
     const struct {
@@ -54,13 +66,14 @@ static iso_status change_brush(const char *key, const char *value, iso_brush *br
     if (strcmp(key, "tool") == 0) return iso_tool_find(value, &brush->tool, error);
     if (strcmp(key, "shape") == 0) return iso_solid_find(value, &brush->shape, error);
     if (strcmp(key, "falloff") == 0) return iso_falloff_find(value, &brush->falloff, error);
+    if (strcmp(key, "color") == 0) return parse_brush_color(value, brush, error);
     if (strcmp(key, "symmetry") == 0) return parse_symmetry(value, &brush->symmetry, error);
     if (strcmp(key, "pressure-radius") == 0) return parse_switch(key, value, &brush->pressure_radius, error);
     if (strcmp(key, "pressure-strength") == 0)
         return parse_switch(key, value, &brush->pressure_strength, error);
     return iso_fail(
         error, ISO_ERR_USAGE,
-        "'%s' is none of tool, shape, falloff, radius, strength, aspect, blend, spacing, symmetry, "
+        "'%s' is none of tool, shape, falloff, radius, strength, aspect, blend, spacing, color, symmetry, "
         "pressure-radius, pressure-strength",
         key);
 }

@@ -10,6 +10,7 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
+#include "base/srgb.h"
 #include "grids/volume/bridge_guard.hpp"
 #include "grids/volume/vdb_archive.hpp"
 
@@ -17,6 +18,7 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::FloatGrid;
+using openvdb::Vec3SGrid;
 
 /* The approximate size of a narrow-band leaf in the file, for progress reports. */
 constexpr double LEAF_BYTES = 800;
@@ -120,16 +122,57 @@ FloatGrid::Ptr level_set_of(const iso_hgrid &grid, const char *name, const iso_p
     return target;
 }
 
+/* A colour (as of iso_level_set_colors) over the own one, linear. */
+openvdb::Vec3f linear_color(uint32_t color, const uint8_t own[3]) {
+    const unsigned amount = color >> 24;
+    openvdb::Vec3f linear;
+    for (int k = 0; k < 3; k++)
+        linear[k] = static_cast<float>(
+            iso_srgb_decode((own[k] * (255 - amount) + (color >> 8 * k & 255) * amount) / 255.0));
+    return linear;
+}
+
+/* Sets the colours of the voxels of a brick that have a distance. */
+void fill_colors(Vec3SGrid::Accessor &target, const iso_hgrid &grid, const Coord &cell,
+                 const uint32_t *colors, const uint8_t own[3]) {
+    const int32_t state = grid.cell[iso_hgrid_cell_index(&grid, cell.x(), cell.y(), cell.z())];
+    if (state < 0) return;
+    const float *brick = iso_hgrid_brick(&grid, state);
+    for (int i = 0; i < ISO_BRICK_VOXELS; i++)
+        if (brick[i] < grid.band && brick[i] > -grid.band)
+            target.setValue(Coord(cell.x() * ISO_BRICK + i % ISO_BRICK,
+                                  cell.y() * ISO_BRICK + i / ISO_BRICK % ISO_BRICK,
+                                  cell.z() * ISO_BRICK + i / (ISO_BRICK * ISO_BRICK)),
+                            linear_color(colors[i], own));
+}
+
+Vec3SGrid::Ptr colors_of(const iso_hgrid &grid, const iso_level_set_colors &colors) {
+    Vec3SGrid::Ptr target = Vec3SGrid::create(linear_color(0, colors.own));
+    target->setName("Cd");
+    target->setTransform(transform_of(grid.transform));
+    Vec3SGrid::Accessor accessor = target->getAccessor();
+    Coord cell;
+    for (cell.z() = 0; cell.z() < grid.cells[2]; cell.z()++)
+        for (cell.y() = 0; cell.y() < grid.cells[1]; cell.y()++)
+            for (cell.x() = 0; cell.x() < grid.cells[0]; cell.x()++) {
+                const void *item = colors.cell[iso_hgrid_cell_index(&grid, cell.x(), cell.y(), cell.z())];
+                if (item) fill_colors(accessor, grid, cell, static_cast<const uint32_t *>(item), colors.own);
+            }
+    return target;
+}
+
 } // namespace
 
 iso_status iso_vdb_write_level_set(FILE *stream, const char *path, const iso_hgrid *grid, const char *name,
-                                   const iso_progress *progress, iso_error *error) {
+                                   const iso_level_set_colors *colors, const iso_progress *progress,
+                                   iso_error *error) {
     const iso_progress filling = iso_progress_part(progress, 0, 0.5),
                        writing = iso_progress_part(progress, 0.5, 1);
     return iso::guard(path, error, [&] {
         try {
             iso::vdb::initialize();
-            const openvdb::GridCPtrVec grids{level_set_of(*grid, name, &filling)};
+            openvdb::GridCPtrVec grids{level_set_of(*grid, name, &filling)};
+            if (colors) grids.push_back(colors_of(*grid, *colors));
             file_buffer buffer(
                 stream, LEAF_BYTES * 8.0 * static_cast<double>(iso_hgrid_brick_count(grid)) + 1, &writing);
             std::ostream bytes(&buffer);

@@ -7,6 +7,7 @@
 #include "grids/level_set.h"
 
 iso_status iso_vdb_write_level_set(FILE *stream, const char *path, const iso_hgrid *grid, const char *name,
-                                   const iso_progress *progress, iso_error *error);
+                                   const iso_level_set_colors *colors, const iso_progress *progress,
+                                   iso_error *error);
 
 #endif

@@ -28,9 +28,11 @@ extern "C" {
 /* Increase this if a type that modules share with the library changes between two releases. */
 #define ISO_MODULE_ABI 12
 
-/* Writes an hgrid to `stream`, as iso_level_set_write_vdb; `path` is for messages. */
+struct iso_level_set_colors;
+/* Writes an hgrid to `stream`, as iso_level_set_put_vdb; `path` is for messages. */
 typedef iso_status iso_level_set_writer(FILE *stream, const char *path, const iso_hgrid *grid,
-                                        const char *name, const iso_progress *progress, iso_error *error);
+                                        const char *name, const struct iso_level_set_colors *colors,
+                                        const iso_progress *progress, iso_error *error);
 
 /* The table of a module; functions that it does not have are NULL. */
 typedef struct iso_module {

@@ -7,14 +7,14 @@ from typing import Any, Iterable, Optional, Sequence, Union
 
 import numpy as np
 
-from ._core import Floats, Path, call, one_of, owned, usage, vec3
+from ._core import Color, Floats, Path, call, one_of, owned, rgb, usage, vec3
 from ._native import ffi, lib
 from ._things import Surface
 from ._volume import Volume
 
 _TOOLS = {name.replace("_", "-").lower(): getattr(lib, "ISO_TOOL_" + name) for name in
           ("ADD", "CARVE", "BLEND_ADD", "BLEND_CARVE", "SMOOTH", "INFLATE", "DEFLATE", "FLATTEN", "SCRAPE", "FILL",
-           "CLAY", "PINCH", "CREASE", "SNAKE_HOOK", "MOVE", "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK")}
+           "CLAY", "PINCH", "CREASE", "SNAKE_HOOK", "MOVE", "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK", "PAINT")}
 _SOLIDS = {name.lower(): getattr(lib, "ISO_SOLID_" + name) for name in
            ("SPHERE", "BOX", "CAPSULE", "CYLINDER", "TORUS", "STAMP")}
 _FALLOFFS = {name.lower(): getattr(lib, "ISO_FALLOFF_" + name) for name in ("SMOOTH", "LINEAR", "CONSTANT")}
@@ -23,9 +23,11 @@ _FALLOFFS = {name.lower(): getattr(lib, "ISO_FALLOFF_" + name) for name in ("SMO
 @dataclass
 class Brush:
     """A brush. `tool`: "add", "carve", "blend-add", "blend-carve", "smooth", "inflate", "deflate", "flatten",
-    "scrape", "fill", "clay", "pinch", "crease", "snake-hook", "move", "mask", "unmask", "clear-mask" or "invert-mask"; `shape` of the first four: "sphere", "box", "capsule",
+    "scrape", "fill", "clay", "pinch", "crease", "snake-hook", "move", "mask", "unmask", "clear-mask", "invert-mask"
+    or "paint"; `shape` of the first four: "sphere", "box", "capsule",
     "cylinder", "torus" or "stamp". Sizes in mm; `aspect` and `spacing` in radii; 0 means the usual. `symmetry`: "x",
-    "yz" .., mirrored at planes through `mirror`."""
+    "yz" .., mirrored at planes through `mirror`. `color`: "#rrggbb", of the surface that "paint", the first four,
+    "inflate", "fill" and "clay" make; None: it has no paint."""
     radius: float
     tool: str = "add"
     shape: str = "sphere"
@@ -38,6 +40,7 @@ class Brush:
     mirror: Floats = (0.0, 0.0, 0.0)
     pressure_radius: bool = False
     pressure_strength: bool = False
+    color: Optional[Color] = None
 
     @classmethod
     def _of(cls, b: Any) -> "Brush":
@@ -45,7 +48,8 @@ class Brush:
             return next(n for n, v in names.items() if v == value)
         return cls(b.radius, name(_TOOLS, b.tool), name(_SOLIDS, b.shape), name(_FALLOFFS, b.falloff), b.strength, b.aspect,
                    b.blend, b.spacing, "".join(a for i, a in enumerate("xyz") if b.symmetry >> i & 1),
-                   (b.mirror.x, b.mirror.y, b.mirror.z), b.pressure_radius, b.pressure_strength)
+                   (b.mirror.x, b.mirror.y, b.mirror.z), b.pressure_radius, b.pressure_strength,
+                   "#%02x%02x%02x" % (b.color.r, b.color.g, b.color.b) if b.has_color else None)
 
     def _made(self) -> Any:
         return ffi.new("iso_brush *", {
@@ -53,7 +57,8 @@ class Brush:
             "falloff": one_of(_FALLOFFS, self.falloff, "falloff"), "radius": self.radius, "strength": self.strength,
             "aspect": self.aspect, "blend": self.blend, "spacing": self.spacing, "mirror": vec3(self.mirror, "mirror"),
             "symmetry": sum(1 << "xyz".index(a) for a in set(self.symmetry)), "pressure_radius": self.pressure_radius,
-            "pressure_strength": self.pressure_strength})
+            "pressure_strength": self.pressure_strength, "has_color": self.color is not None,
+            "color": rgb(self.color or "000000")[0]})
 
 
 @dataclass(frozen=True)

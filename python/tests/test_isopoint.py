@@ -369,7 +369,7 @@ class Sculpting(unittest.TestCase):
             pictures = [x.surface.render(size=(128, 128)).array for x in (a, b)]
             return (pictures[0] == pictures[1]).all() and a.surface.measure()["triangles"] == b.surface.measure()["triangles"]
 
-        bump, dent = isopoint.Brush(8, symmetry="x"), isopoint.Brush(6, "carve", strength=0.5)
+        bump, dent = isopoint.Brush(8, symmetry="x"), isopoint.Brush(6, "carve", strength=0.5, color="#40a0c0")
         a, b, c = (bump, [[25, 0, 15], [22, 15, 15]]), (dent, [[20, 5, 20]]), (isopoint.Brush(9, "inflate", strength=1), [[20, 5, 24]])
         s = field(a, b, c)
         self.assertEqual([(x.number, x.muted, x.brush, x.samples) for x in s.strokes],

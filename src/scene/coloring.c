@@ -49,6 +49,7 @@ static uint8_t component(double normal) {
 /* iso_surface_colors.at. */
 static iso_rgb color_at(const void *context, const iso_colored_point *point, size_t *near) {
     const iso_coloring *c = context;
+    if (c->given.at) return c->given.at(c->given.context, point, near);
     if (c->vertices) {
         iso_rgb color;
         const double number = iso_vertex_field_at(c->vertices, point->place, near, &color);

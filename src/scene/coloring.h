@@ -20,6 +20,7 @@ typedef struct iso_coloring {
     iso_affine affine;                /* of the grid: iso_coloring_set_grid */
     const iso_vertex_field *vertices; /* BY_VOLUME: numbers of a mesh's vertices instead; borrowed */
     const iso_distance *distance;     /* BY_DISTANCE; borrowed */
+    iso_surface_colors given;         /* at != NULL: these colours instead, which are no numbers'; borrowed */
     iso_color_bar bar;                /* which colours stand for which numbers; not BY_NORMAL */
 } iso_coloring;
 

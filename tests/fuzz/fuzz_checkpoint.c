@@ -29,11 +29,11 @@ static void check_field(const iso_hgrid *grid) {
 }
 
 /* A snapshot of what is there; malloc'ed. */
-static char *put(const iso_hgrid *grid, const iso_mask *mask, size_t *size) {
+static char *put(const iso_hgrid *grid, const iso_field_items *items, size_t *size) {
     char *bytes = NULL;
     FILE *stream = open_memstream(&bytes, size);
     if (!stream) abort();
-    iso_checkpoint_put(stream, grid, mask);
+    iso_checkpoint_put(stream, grid, items);
     fclose(stream);
     return bytes;
 }
@@ -44,46 +44,50 @@ static iso_hgrid *ball(void) {
     return grid;
 }
 
-static void make_mask(const iso_hgrid *grid, iso_mask *mask) {
+static void make_items(const iso_hgrid *grid, iso_field_items *items) {
     const size_t cells = (size_t)grid->cells[0] * (size_t)grid->cells[1] * (size_t)grid->cells[2];
     const iso_voxel_bits bits = {{1, 2, 3}};
-    if (iso_mask_init(mask, cells, NULL) != ISO_OK || iso_mask_set(mask, 1, &bits, NULL) != ISO_OK) abort();
+    const iso_paint_item paint = {.voxel = {7, 7, 9}};
+    if (iso_field_items_init(items, cells, NULL) != ISO_OK ||
+        iso_cell_items_set(&items->of[ISO_ITEM_MASK], 1, &bits, NULL) != ISO_OK ||
+        iso_cell_items_set(&items->of[ISO_ITEM_PAINT], 1, &paint, NULL) != ISO_OK)
+        abort();
 }
 
-static void check_again(const iso_hgrid *grid, const iso_mask *mask) {
-    iso_mask other;
+static void check_again(const iso_hgrid *grid, const iso_field_items *items) {
+    iso_field_items other;
     iso_hgrid *copy = ball();
-    make_mask(copy, &other);
+    make_items(copy, &other);
     size_t size, again;
-    char *bytes = put(grid, mask, &size);
+    char *bytes = put(grid, items, &size);
     if (iso_checkpoint_get("again", (uint8_t *)bytes, size, copy, &other, NULL) != ISO_OK) abort();
     char *more = put(copy, &other, &again);
     if (again != size || memcmp(bytes, more, size) != 0) abort();
     free(bytes);
     free(more);
-    iso_mask_free(&other);
+    iso_field_items_free(&other);
     iso_hgrid_destroy(copy);
 }
 
 static void read_snapshot(const uint8_t *bytes, size_t size) {
     iso_hgrid *grid = ball();
-    iso_mask mask;
+    iso_field_items items;
     iso_error error = {0};
     size_t before_size, after_size;
-    make_mask(grid, &mask);
-    char *before = put(grid, &mask, &before_size);
-    iso_status status = iso_checkpoint_get("the file", bytes, size, grid, &mask, &error);
+    make_items(grid, &items);
+    char *before = put(grid, &items, &before_size);
+    iso_status status = iso_checkpoint_get("the file", bytes, size, grid, &items, &error);
     check_field(grid);
     if (status == ISO_OK)
-        check_again(grid, &mask);
+        check_again(grid, &items);
     else {
-        char *after = put(grid, &mask, &after_size);
+        char *after = put(grid, &items, &after_size);
         if (after_size != before_size || memcmp(before, after, after_size) != 0) abort();
         if (!strstr(error.text, "the file") || strchr(error.text, '\n')) abort();
         free(after);
     }
     free(before);
-    iso_mask_free(&mask);
+    iso_field_items_free(&items);
     iso_hgrid_destroy(grid);
 }
 

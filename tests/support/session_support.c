@@ -58,6 +58,9 @@ iso_brush session_random_brush(uint32_t *seed, int tools) {
                    .strength = uniform(seed),
                    .symmetry = uniform(seed) < 0.2 ? 5 : 0,
                    .pressure_strength = uniform(seed) < 0.5};
+    const unsigned random = (unsigned)(1e6 * b.strength); /* (of its last digits) */
+    b.has_color = tools > ISO_TOOL_PAINT && random % 2;
+    if (b.has_color) b.color = (iso_rgb){(uint8_t)random, (uint8_t)(random / 3), (uint8_t)(random / 7)};
     return b;
 }
 
@@ -79,27 +82,30 @@ iso_event session_random_event(uint32_t *seed, int tools, bool *drawing) {
 
 session_field session_field_of(iso_session *session) {
     session_field field = {.grid = sculpt_copy(iso_session_grid(session))};
-    const iso_mask *mask = iso_session_mask(session);
-    assert_int_equal(iso_mask_init(&field.mask, mask->cells, NULL), ISO_OK);
-    for (size_t i = 0; i < mask->cells; i++)
-        assert_int_equal(iso_mask_set(&field.mask, i, iso_mask_bits(mask, i), NULL), ISO_OK);
+    assert_int_equal(iso_field_items_copy(iso_session_items(session), &field.items, NULL), ISO_OK);
     return field;
 }
 
 void session_field_free(session_field *field) {
     iso_hgrid_destroy(field->grid);
-    iso_mask_free(&field->mask);
+    iso_field_items_free(&field->items);
 }
 
-bool session_same_mask(const iso_mask *a, const iso_mask *b) {
+static bool same_kind(const iso_cell_items *a, const iso_cell_items *b) {
     for (size_t i = 0; i < a->cells; i++) {
-        const iso_voxel_bits *x = iso_mask_bits(a, i), *y = iso_mask_bits(b, i);
-        if (!x != !y || (x && memcmp(x, y, sizeof *x))) return false;
+        const void *x = a->cell[i], *y = b->cell[i];
+        if (!x != !y || (x && memcmp(x, y, a->bytes))) return false;
     }
     return a->used == b->used;
 }
 
+bool session_same_items(const iso_field_items *a, const iso_field_items *b) {
+    bool same = true;
+    for (int i = 0; i < ISO_ITEM_KINDS; i++) same &= same_kind(&a->of[i], &b->of[i]);
+    return same;
+}
+
 bool session_is(iso_session *session, const session_field *field) {
     return sculpt_same(iso_session_grid(session), field->grid) &&
-           session_same_mask(iso_session_mask(session), &field->mask);
+           session_same_items(iso_session_items(session), &field->items);
 }

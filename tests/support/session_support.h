@@ -16,18 +16,19 @@ void session_remove_files(const char *journal);
 iso_session *session_open(const iso_session_opts *opts);
 
 iso_sample session_random_sample(uint32_t *seed);
-iso_brush session_random_brush(uint32_t *seed, int tools); /* of the first so many tools */
+/* Of the first so many tools; half of them with a colour if these are all tools. */
+iso_brush session_random_brush(uint32_t *seed, int tools);
 /* The next of an endless sequence of random events; `drawing` is state of the caller. */
 iso_event session_random_event(uint32_t *seed, int tools, bool *drawing);
 
-/* The result of a session: the field and the frozen voxels. */
+/* The result of a session: the field, the frozen voxels and the paint. */
 typedef struct session_field {
     iso_hgrid *grid;
-    iso_mask mask;
+    iso_field_items items;
 } session_field;
 session_field session_field_of(iso_session *session);
 void session_field_free(session_field *field);
-bool session_same_mask(const iso_mask *a, const iso_mask *b);
+bool session_same_items(const iso_field_items *a, const iso_field_items *b);
 /* Whether the session has the same result, bit for bit. */
 bool session_is(iso_session *session, const session_field *field);
 

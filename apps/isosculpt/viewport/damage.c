@@ -78,10 +78,10 @@ static iso_box reached_box(const iso_hgrid *grid, const iso_change *change) {
 }
 
 void isosculpt_damage_add_edits(isosculpt_damage *damage, const iso_view *view, const iso_hgrid *grid,
-                                uint64_t drawn_edit) {
+                                const iso_change_log *log, uint64_t drawn_edit) {
     const iso_affine affine = iso_transform_affine(&grid->transform);
     const iso_change *changes;
-    size_t count = iso_change_log_since(grid->log, drawn_edit, &changes);
+    size_t count = iso_change_log_since(log, drawn_edit, &changes);
     for (size_t i = 0; i < count; i++) {
         iso_box box = reached_box(grid, &changes[i]);
         box = iso_box_transform(&box, &affine);

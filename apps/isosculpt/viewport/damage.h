@@ -29,10 +29,10 @@ typedef struct isosculpt_damage {
 /* Adds a rectangle; rectangles that lie close together are merged. An empty one changes nothing. */
 void isosculpt_damage_add(isosculpt_damage *damage, isosculpt_rectangle rectangle);
 
-/* Adds the pixels that edits after number `drawn_edit` can have changed. A picture of trilinear cells with
- * normals from central differences depends on voxels up to two away. */
+/* Adds the pixels that edits of a log after number `drawn_edit` can have changed. A picture of trilinear
+ * cells with normals from central differences depends on voxels up to two away. */
 void isosculpt_damage_add_edits(isosculpt_damage *damage, const iso_view *view, const iso_hgrid *grid,
-                                uint64_t drawn_edit);
+                                const iso_change_log *log, uint64_t drawn_edit);
 
 /* Sum of the rectangles' areas, in pixels. */
 size_t isosculpt_damage_area(const isosculpt_damage *damage);

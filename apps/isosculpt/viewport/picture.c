@@ -76,6 +76,7 @@ static void finish_whole(isosculpt_viewport *viewport) {
     viewport->drawn_see_through = viewport->see_through;
     viewport->drawn_opaque = viewport->opaque;
     viewport->drawn_style = viewport->style;
+    viewport->drawn_painted = isosculpt_viewport_is_painted(viewport);
     viewport->drawn_reference_mode = shown_reference(viewport);
 }
 
@@ -127,7 +128,8 @@ static bool is_by_gl(const isosculpt_viewport *viewport, bool moving) {
     return viewport->gl && mode->engine == ISOSCULPT_ENGINE_GL && !viewport->mask.at &&
            !isosculpt_viewport_is_see_through(viewport) && !isosculpt_viewport_shows_reference(viewport) &&
            !isosculpt_viewport_is_cut(viewport) && !isosculpt_viewport_is_colored(viewport) &&
-           !is_lit(viewport, moving) && (mode->method != ISO_METHOD_EXACT || moving);
+           !isosculpt_viewport_is_painted(viewport) && !is_lit(viewport, moving) &&
+           (mode->method != ISO_METHOD_EXACT || moving);
 }
 
 /* Draws the picture of drawn.view with factor x factor samples a pixel. */
@@ -295,7 +297,9 @@ static bool is_still(const isosculpt_viewport *viewport, int width, int height) 
            same_mode(&viewport->mode, &viewport->drawn_mode) &&
            viewport->isovalue == viewport->drawn_isovalue &&
            same_see_through(&viewport->see_through, &viewport->drawn_see_through) &&
-           viewport->style == viewport->drawn_style && viewport->opaque == viewport->drawn_opaque;
+           viewport->style == viewport->drawn_style &&
+           isosculpt_viewport_is_painted(viewport) == viewport->drawn_painted &&
+           viewport->opaque == viewport->drawn_opaque;
 }
 
 static void adapt_moving_factor(isosculpt_viewport *viewport, bool layers, double seconds) {
@@ -389,9 +393,14 @@ static iso_status draw_changes(isosculpt_viewport *viewport, bool moving, iso_er
     const double start = iso_clock_seconds();
     const bool other_reference = has_other_reference(viewport, moving);
     viewport->redrawn = (isosculpt_damage){.count = 0};
-    if (viewport->grid.hgrid) /* other grids are not edited */
-        isosculpt_damage_add_edits(&viewport->redrawn, &viewport->drawn.view, viewport->grid.hgrid,
-                                   viewport->drawn_edit);
+    if (viewport->grid.hgrid) { /* other grids are not edited */
+        const iso_hgrid *grid = viewport->grid.hgrid;
+        const iso_view *view = &viewport->drawn.view;
+        isosculpt_damage_add_edits(&viewport->redrawn, view, grid, grid->log, viewport->drawn_edit);
+        if (viewport->painted.log)
+            isosculpt_damage_add_edits(&viewport->redrawn, view, grid, viewport->painted.log,
+                                       viewport->drawn_paint);
+    }
     if (viewport->mask_changed) isosculpt_damage_add(&viewport->redrawn, whole_image(viewport));
     if (!viewport->redrawn.count && !other_reference) return ISO_OK;
     ISO_TRY(draw_damage(viewport, moving, error));
@@ -419,6 +428,7 @@ iso_status isosculpt_viewport_draw(isosculpt_viewport *viewport, int width, int 
     else
         ISO_TRY(draw_again(viewport, moving && !(still && exact && at_once), moving, error));
     viewport->drawn_edit = now;
+    if (viewport->painted.log) viewport->drawn_paint = iso_change_log_now(viewport->painted.log);
     viewport->mask_changed = false;
     return ISO_OK;
 }

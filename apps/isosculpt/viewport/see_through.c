@@ -45,17 +45,23 @@ bool isosculpt_viewport_has_light(const isosculpt_viewport *viewport) {
     return light.occlusion.ambient || light.occlusion.shadow || light.outline > 0;
 }
 
+bool isosculpt_viewport_is_painted(const isosculpt_viewport *viewport) {
+    return !viewport->lod && isosculpt_painted_any(&viewport->painted);
+}
+
 iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport) {
     const iso_method chosen = viewport->mode.method;
     const bool cuts = !isosculpt_viewport_is_cut(viewport) || iso_method_can(chosen, ISO_CAN_CLIP),
-               colors = !isosculpt_viewport_is_colored(viewport) || iso_method_can(chosen, ISO_CAN_COLORS);
+               colored = isosculpt_viewport_is_colored(viewport) || isosculpt_viewport_is_painted(viewport),
+               colors = !colored || iso_method_can(chosen, ISO_CAN_COLORS);
     return isosculpt_viewport_is_see_through(viewport) || !cuts || !colors ? ISO_METHOD_EXACT : chosen;
 }
 
 isosculpt_material isosculpt_viewport_material(const isosculpt_viewport *viewport) {
     isosculpt_material material = viewport->mode.material;
     if (isosculpt_viewport_is_see_through(viewport) || isosculpt_viewport_is_cut(viewport) ||
-        isosculpt_viewport_has_light(viewport) || isosculpt_viewport_is_colored(viewport))
+        isosculpt_viewport_has_light(viewport) || isosculpt_viewport_is_colored(viewport) ||
+        isosculpt_viewport_is_painted(viewport))
         material.shading = ISOSCULPT_SHADING_LAMPS;
     return material;
 }

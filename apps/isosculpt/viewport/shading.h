@@ -23,6 +23,9 @@ typedef enum isosculpt_shading {
 } isosculpt_shading;
 const char *isosculpt_shading_name(isosculpt_shading shading); /* as the panel shows it */
 
+/* The colour of a surface unless another one is chosen. */
+static const iso_rgb ISOSCULPT_SURFACE_COLOR = {206, 142, 112};
+
 typedef struct isosculpt_material {
     isosculpt_shading shading;
     iso_rgb color, background;

@@ -41,6 +41,12 @@ iso_status isosculpt_shown_list(isosculpt_viewport *viewport, iso_method method,
                            .colors = {viewport->mode.material.color, how->second_color}};
     s->layered[0].translucency.opacity = see_through ? (float)how->opacity : 1;
     s->layered[1].translucency.opacity = (float)how->second_opacity;
+    if (isosculpt_viewport_is_painted(viewport) && iso_method_can(method, ISO_CAN_COLORS)) {
+        s->painted = viewport->painted;
+        s->painted.own = viewport->mode.material.color;
+        s->paint = isosculpt_painted_coloring(&s->painted);
+        s->surfaces[0].coloring = &s->paint;
+    }
     for (int i = 0; i < count; i++) {
         s->layered[i].surface = &s->surfaces[i];
         if (isosculpt_viewport_is_colored(viewport) && iso_method_can(method, ISO_CAN_COLORS))

@@ -58,15 +58,16 @@ static iso_status create_lod(isosculpt_viewport *viewport, iso_error *error) {
 
 iso_status isosculpt_viewport_init_grid(isosculpt_viewport *viewport, const iso_grid *grid, double isovalue,
                                         iso_pool *pool, iso_error *error) {
-    const iso_rgb clay = {206, 142, 112}, bone = {238, 230, 208}, dusk = {46, 50, 56}, ice = {130, 190, 240};
-    *viewport = (isosculpt_viewport){.mode = {.material = {.color = clay, .background = dusk}},
-                                     .see_through = {.opacity = 1, .second_opacity = 1, .second_color = bone},
-                                     .reference_mode = {.opacity = 0.35, .color = ice},
-                                     .cut = {.plane = -1,
-                                             .cap = {.kind = ISO_CAP_SURFACE, .map = ISO_COLORMAP_GRAY},
-                                             .window = {NAN, NAN}},
-                                     .moving_factor = 1,
-                                     .pool = pool};
+    const iso_rgb bone = {238, 230, 208}, dusk = {46, 50, 56}, ice = {130, 190, 240};
+    *viewport =
+        (isosculpt_viewport){.mode = {.material = {.color = ISOSCULPT_SURFACE_COLOR, .background = dusk}},
+                             .see_through = {.opacity = 1, .second_opacity = 1, .second_color = bone},
+                             .reference_mode = {.opacity = 0.35, .color = ice},
+                             .cut = {.plane = -1,
+                                     .cap = {.kind = ISO_CAP_SURFACE, .map = ISO_COLORMAP_GRAY},
+                                     .window = {NAN, NAN}},
+                             .moving_factor = 1,
+                             .pool = pool};
     viewport->grid = *grid;
     viewport->isovalue = viewport->drawn_isovalue = isovalue;
     viewport->camera.view_angle = 30;

@@ -13,6 +13,7 @@
 #include "apps/isosculpt/viewport/damage.h"
 #include "apps/isosculpt/viewport/gl.h"
 #include "apps/isosculpt/viewport/lod.h"
+#include "apps/isosculpt/viewport/painted.h"
 #include "apps/isosculpt/viewport/shading.h"
 #include "exact/exact.h"
 #include "extract/mesh/mesh.h"
@@ -108,12 +109,14 @@ typedef struct isosculpt_pick_buffer {
     double samples; /* samples along a pixel of the full picture; 0: nothing has been drawn yet */
 } isosculpt_pick_buffer;
 
-/* Zero-initialise. camera, mode, mask, see_through, cut and light (with `style`; so does what color_by.h
- * sets), opaque, sliding, reference_mode and gl may be changed between calls; the rest is read only. */
+/* Zero-initialise. camera, mode, mask, painted, see_through, cut and light (with `style`; so does what
+ * color_by.h sets), opaque, sliding, reference_mode and gl may be changed between calls; the rest is read
+ * only. */
 typedef struct isosculpt_viewport {
     iso_camera camera;
     isosculpt_display_mode mode;
     isosculpt_mask mask;
+    isosculpt_painted painted;         /* of a field; `own` is the material's colour */
     double isovalue;                   /* physical; for volumes set by isosculpt_viewport_set_isovalue */
     isosculpt_see_through see_through; /* for volumes; ignored for fields */
     isosculpt_cut cut;                 /* @1 and @2 name the surface and the second one */
@@ -176,6 +179,8 @@ typedef struct isosculpt_viewport {
     isosculpt_quality quality;
     bool drawn_exactly;         /* the exact surface, with one sample a pixel or more */
     uint64_t drawn_edit;        /* number of the last edit that the picture shows */
+    uint64_t drawn_paint;       /* the same of the paint's log */
+    bool drawn_painted;         /* there was paint */
     bool mask_changed;          /* the mask has changed since then */
     isosculpt_damage redrawn;   /* pixels of the image that the last call drew */
     isosculpt_damage unrefined; /* pixels with one sample */
@@ -206,6 +211,8 @@ bool isosculpt_viewport_is_translucent(const isosculpt_viewport *viewport);
 /* Whether the surfaces of a viewed volume are coloured by data, which the cpu engine draws with lamps;
  * methods that cannot are replaced by exact. */
 bool isosculpt_viewport_is_colored(const isosculpt_viewport *viewport);
+/* Whether a field has paint, which is drawn in the same way. */
+bool isosculpt_viewport_is_painted(const isosculpt_viewport *viewport);
 /* Returns what of `light` the picture at rest has: translucent surfaces have none, and beside them there
  * are no outlines. */
 isosculpt_light isosculpt_viewport_light(const isosculpt_viewport *viewport);

@@ -67,7 +67,25 @@ static void choose_shape(iso_brush *brush, const iso_stamp *stamp) {
     ImGui::EndDisabled();
 }
 
-/* The widgets for the mirror planes and their positions. */
+/* The widgets for the colour of the brush, at the end of a row. */
+static void choose_color(iso_brush *brush) {
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x, side = ImGui::GetFrameHeight();
+    const bool paints = brush->tool == ISO_TOOL_PAINT;
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - (paints ? side : 2 * side + gap));
+    ImGui::BeginDisabled(!isosculpt_tool_has_color(brush->tool));
+    if (!paints) {
+        ImGui::Checkbox("##colored", &brush->has_color);
+        if (ImGui::IsItemHovered())
+            ImGui::SetTooltip("The surface that the brush makes gets this colour; else it has no paint.");
+        ImGui::SameLine(0, gap);
+    }
+    panel_edit_color("##color", &brush->color);
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("The colour of the brush. E takes it from the surface under the pointer.");
+    ImGui::EndDisabled();
+}
+
+/* The widgets for the mirror planes and their positions, and the colour. */
 static void choose_mirror(isosculpt_controller *controller, iso_brush *brush) {
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted("symmetry");
@@ -76,10 +94,13 @@ static void choose_mirror(isosculpt_controller *controller, iso_brush *brush) {
         ImGui::SameLine();
         ImGui::CheckboxFlags(name, &brush->symmetry, 1u << axis);
     }
+    if (brush->symmetry) {
+        ImGui::SameLine();
+        if (ImGui::Button("centre")) isosculpt_controller_center_mirror(controller);
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("the planes pass through the middle of the object");
+    }
+    choose_color(brush);
     if (!brush->symmetry) return;
-    ImGui::SameLine();
-    if (ImGui::Button("centre")) isosculpt_controller_center_mirror(controller);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("the planes pass through the middle of the object");
     double *const at[] = {&brush->mirror.x, &brush->mirror.y, &brush->mirror.z};
     const float speed = (float)(0.5 * controller->document->start.voxel_size);
     const float inner = ImGui::GetStyle().ItemInnerSpacing.x,
@@ -115,7 +136,8 @@ static const brush_button BRUSHES[ISOSCULPT_TOOLS] = {
     {"scrape", "Takes off what rises above the surface around it.\nAlt: fills."},
     {"fill", "Fills what is lower than the surface around it.\nAlt: scrapes."},
     {"crease", "Digs a sharp groove along the stroke."},
-    {"hook", "Draws a horn or a tentacle out of the surface, along the pointer's path."}};
+    {"hook", "Draws a horn or a tentacle out of the surface, along the pointer's path."},
+    {"paint", "Lays the colour over the surface.\nAlt: takes paint away."}};
 
 static void choose_brush(isosculpt_controller *controller, iso_brush *brush) {
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x,

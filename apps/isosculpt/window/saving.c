@@ -36,6 +36,7 @@ static void start_now(window *w) {
     iso_error reason = {0};
     const isosculpt_save_opts opts = {.path = w->save_path,
                                       .is_export = w->pending_save == ISOSCULPT_BROWSE_EXPORT,
+                                      .color = w->viewport.mode.material.color,
                                       .closed = w->settings->closed != 0,
                                       .wake = isosculpt_window_wake};
     if (isosculpt_document_save(&w->document, &opts, &reason) == ISO_OK)

@@ -79,5 +79,8 @@ bool iso_brush_is_same(const iso_brush *a, const iso_brush *b) {
            a->strength == b->strength && a->aspect == b->aspect && a->blend == b->blend &&
            a->spacing == b->spacing && a->symmetry == b->symmetry && a->mirror.x == b->mirror.x &&
            a->mirror.y == b->mirror.y && a->mirror.z == b->mirror.z &&
-           a->pressure_radius == b->pressure_radius && a->pressure_strength == b->pressure_strength;
+           a->pressure_radius == b->pressure_radius && a->pressure_strength == b->pressure_strength &&
+           a->has_color == b->has_color &&
+           (!a->has_color ||
+            (a->color.r == b->color.r && a->color.g == b->color.g && a->color.b == b->color.b));
 }

@@ -17,7 +17,7 @@ extern "C" {
 #endif
 
 /* The tools: X(enumerator, name in stroke files). ADD to BLEND_CARVE are set operations with a solid, SMOOTH
- * to MOVE deform the surface, the rest change only the mask. */
+ * to MOVE deform the surface, those of the mask change only it, and PAINT only the paint. */
 #define ISO_TOOLS(X)                                                                                         \
     X(ADD, "add")                 /* union with the solid */                                                 \
     X(CARVE, "carve")             /* difference */                                                           \
@@ -38,7 +38,8 @@ extern "C" {
     X(MASK, "mask")               /* freezes the voxels within the radius */                                 \
     X(UNMASK, "unmask")           /* unfreezes them */                                                       \
     X(CLEAR_MASK, "clear-mask")   /* at a stroke's first sample: unfreezes all voxels of the grid */         \
-    X(INVERT_MASK, "invert-mask") /* the same: freezes the voxels that are not frozen, unfreezes the rest */
+    X(INVERT_MASK, "invert-mask") /* the same: freezes the voxels that are not frozen, unfreezes the rest */ \
+    X(PAINT, "paint")             /* lays a colour over the surface (sculpt/edit/painter.h) */
 
 /* The solids of set operations, centred on the sample with the z axis along its normal. Sizes are in units of
  * the radius. */

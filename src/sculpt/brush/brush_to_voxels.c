@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "sculpt/brush/dab.h"
+#include "sculpt/field/paint.h"
 
 /* Converts a world position to index coordinates and rounds them to 1/4096 voxel. Differences between such
  * positions and voxels are exact in floats, so mirrored touches give mirrored results, to the bit. */
@@ -108,6 +109,8 @@ void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso
     dabs->aspect = (float)(brush->aspect > 0 ? brush->aspect : 0.5);
     dabs->blend_voxels = blends ? (float)(blend_voxels < band ? blend_voxels : band) : 0;
     dabs->band = space->band;
+    if (brush->has_color) dabs->color = iso_paint_make(brush->color.r, brush->color.g, brush->color.b, 255);
+    dabs->cover = (int)(strength * ISO_PAINT_ONE + 0.5);
     dabs->stamp = space->stamp ? iso_stamp_level(space->stamp, radius_voxels) : NULL;
     for (unsigned bits = 0; bits < 8; bits++)
         if (!(bits & ~brush->symmetry)) make_dab(space, brush, touch, bits, &dabs->dab[dabs->count++]);

@@ -50,6 +50,8 @@ typedef struct iso_dabs {
     float depth;    /* voxels: of a layer of CLAY, of the groove that a touch of CREASE digs; otherwise 0 */
     float aspect;   /* in brush radii */
     float band;     /* of the grid, voxels */
+    uint32_t color; /* the brush's, as of a painted voxel (field/paint.h); 0: it has none */
+    int cover;      /* how much of the colour a touch lays on, at its centre; 0 .. ISO_PAINT_ONE */
     int count;      /* of dabs */
     iso_dab dab[ISO_DAB_MAX];
     const iso_hgrid *stamp; /* the level of the stamp for this radius; NULL: no stamp is set */
@@ -103,6 +105,14 @@ typedef struct iso_dab_kernel {
      * that differ from `before` in any bit. Returns whether there are any. */
     bool (*find_changes)(const float *before, const iso_voxel_bits *masked, float *values,
                          iso_voxel_bits *changed);
+    /* Marks the voxels of a brick whose distances are inside of the band. */
+    void (*find_band)(const float *values, float band, iso_voxel_bits *inside);
+    /* Writes the colours `from` (NULL: none) of the voxels `inside`, or `color` where they are also in `set`;
+     * 0 to all others. */
+    void (*set_colors)(const uint32_t *from, const iso_voxel_bits *inside, const iso_voxel_bits *set,
+                       uint32_t color, uint32_t *out);
+    /* Marks the voxels whose colours differ (before NULL: from none). Returns whether there are any. */
+    bool (*find_recolored)(const uint32_t *before, const uint32_t *colors, iso_voxel_bits *changed);
 } iso_dab_kernel;
 
 ISO_KERNEL_UNITS(const iso_dab_kernel, iso_dab_kernel);

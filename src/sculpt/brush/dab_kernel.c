@@ -355,4 +355,45 @@ static bool find_changes(const float *before, const iso_voxel_bits *masked, floa
     return any != 0;
 }
 
-const iso_dab_kernel ISO_KERNEL_NAME(iso_dab_kernel) = {edit, warp, sample, find_changes};
+static void find_band(const float *values, float band, iso_voxel_bits *inside) {
+    for (int row = 0; row < ISO_BRICK_ROWS; row++) {
+        uint32_t bits = 0;
+        for (int x = 0; x < ISO_BRICK; x += ISO_LANES)
+            bits |= v_mask(v_lt(v_abs(v_load(values + row * ISO_BRICK + x)), v_set(band))) << x;
+        inside->row[row] = (uint16_t)bits;
+    }
+}
+
+ISO_INLINE vi load_colors(const uint32_t *colors, int at) {
+    return colors ? v_loadi((const int32_t *)colors + at) : v_seti(0);
+}
+
+static void set_colors(const uint32_t *from, const iso_voxel_bits *inside, const iso_voxel_bits *set,
+                       uint32_t color, uint32_t *out) {
+    const vi own = v_seti((int32_t)color);
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
+            const int at = row * ISO_BRICK + x;
+            const vi made = v_selecti(v_from_mask((uint32_t)set->row[row] >> x), own, load_colors(from, at));
+            v_storei((int32_t *)out + at,
+                     v_selecti(v_from_mask((uint32_t)inside->row[row] >> x), made, v_seti(0)));
+        }
+}
+
+static bool find_recolored(const uint32_t *before, const uint32_t *colors, iso_voxel_bits *changed) {
+    uint32_t any = 0;
+    for (int row = 0; row < ISO_BRICK_ROWS; row++) {
+        uint32_t bits = 0;
+        for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
+            const int at = row * ISO_BRICK + x;
+            const vm same = v_eqi(load_colors(before, at), load_colors(colors, at));
+            bits |= (~v_mask(same) & ((1u << ISO_LANES) - 1)) << x;
+        }
+        changed->row[row] = (uint16_t)bits;
+        any |= bits;
+    }
+    return any != 0;
+}
+
+const iso_dab_kernel ISO_KERNEL_NAME(iso_dab_kernel) = {edit,      warp,       sample,        find_changes,
+                                                        find_band, set_colors, find_recolored};

@@ -108,10 +108,10 @@ typedef struct level_head {
 static iso_status put_level(FILE *stream, const iso_hgrid *grid) {
     char *bytes = NULL;
     size_t size = 0;
-    iso_mask mask = {0};
+    const iso_field_items none = {.of = {{.cells = 0}}};
     FILE *cells = open_memstream(&bytes, &size);
     if (!cells) return ISO_ERR_NOMEM;
-    iso_checkpoint_put(cells, grid, &mask);
+    iso_checkpoint_put(cells, grid, &none);
     bool whole = iso_memory_stream_close(cells, &bytes) && size < UINT32_MAX;
     level_head head = {.bytes = (uint32_t)size, .spacing = grid->transform.spacing[0]};
     memcpy(head.dims, grid->dims, sizeof head.dims);
@@ -122,10 +122,10 @@ static iso_status put_level(FILE *stream, const iso_hgrid *grid) {
 }
 
 static iso_status get_cells(const uint8_t *bytes, size_t size, iso_hgrid *grid, iso_error *error) {
-    iso_mask none = {0};
-    ISO_TRY(iso_mask_init(&none, iso_hgrid_cell_count(grid), error));
+    iso_field_items none;
+    ISO_TRY(iso_field_items_init(&none, iso_hgrid_cell_count(grid), error));
     iso_status status = iso_checkpoint_get("the stamp", bytes, size, grid, &none, error);
-    iso_mask_free(&none);
+    iso_field_items_free(&none);
     return status;
 }
 

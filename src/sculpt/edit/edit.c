@@ -1,6 +1,6 @@
 /* The editor: turns a touch into dabs in voxels (brush_to_voxels.c, area_plane.h), lists the cells they
  * reach, runs the brush's kernel on each (dab.h), then redistances and commits them (transaction.h). The
- * tools MASK, UNMASK, CLEAR_MASK and INVERT_MASK change only the mask. */
+ * tools MASK, UNMASK, CLEAR_MASK and INVERT_MASK change only the mask, PAINT only the paint (painter.h). */
 #include "sculpt/edit/edit.h"
 
 #include <math.h>
@@ -8,6 +8,7 @@
 
 #include "base/numbers.h"
 #include "sculpt/edit/area_plane.h"
+#include "sculpt/edit/editor.h"
 #include "sculpt/edit/transaction.h"
 #include "sculpt/field/crease.h"
 #include "sculpt/limits.h"
@@ -15,24 +16,6 @@
 /* Redistancing steps (0.45 voxel each) of an edit that left gaps in the band: enough to fill the whole band.
  */
 enum { DAMAGED_BAND_ITERATIONS = 12 };
-/* The largest window of the field, in floats, that is copied to warp one brick. A warp that needs more (a
- * long drag of a small brush) reads the grid voxel by voxel instead. */
-enum { WINDOW_MAX = 1 << 22 };
-
-struct iso_editor {
-    iso_transaction transaction;
-    iso_affine affine;
-    double spacing;
-    int iterations;
-    iso_step_opts opts;
-    double cost;               /* see iso_editor_cost */
-    uint32_t step;             /* number of the current step */
-    uint32_t *notified;        /* by cell: the last step in which the observer was told of its values */
-    uint32_t *mask_notified;   /* the same for its mask */
-    iso_buffer notified_cells; /* uint32_t: the cells notified in this step */
-    size_t notified_count;
-};
-
 /* Checks that voxels are cubes, because distances are in voxels, and that the size is a multiple of a brick,
  * because kernels write whole bricks. */
 static iso_status check_grid(const iso_hgrid *grid, iso_error *error) {
@@ -61,29 +44,38 @@ iso_status iso_editor_create(iso_hgrid *grid, const iso_editor_opts *opts, iso_e
     editor->affine = iso_transform_affine(&grid->transform);
     editor->spacing = grid->transform.spacing[0];
     editor->iterations = opts->iterations > 0 ? opts->iterations : opts->iterations < 0 ? 0 : 4;
+    editor->painter.source = iso_editor_paint_source;
+    editor->painter.source_context = editor;
     editor->notified = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->notified);
-    editor->mask_notified = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->mask_notified);
-    if (!editor->notified || !editor->mask_notified) {
-        iso_editor_destroy(editor);
-        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an editor of %zu cells",
-                        iso_hgrid_cell_count(grid));
+    bool whole = editor->notified != NULL;
+    for (int i = 0; i < ISO_ITEM_KINDS; i++) {
+        editor->item_notified[i] = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *editor->notified);
+        whole &= editor->item_notified[i] != NULL;
     }
-    *out = editor;
-    return ISO_OK;
+    status = whole ? iso_painter_init(&editor->painter, &editor->transaction, error)
+                   : iso_fail(error, ISO_ERR_NOMEM, "out of memory for an editor of %zu cells",
+                              iso_hgrid_cell_count(grid));
+    if (status == ISO_OK)
+        *out = editor;
+    else
+        iso_editor_destroy(editor);
+    return status;
 }
 
 void iso_editor_destroy(iso_editor *editor) {
     if (!editor) return;
+    iso_painter_free(&editor->painter);
     iso_transaction_free(&editor->transaction);
     iso_buffer_free(&editor->notified_cells);
+    iso_buffer_free(&editor->painted_cells);
     iso_free(editor->notified);
-    iso_free(editor->mask_notified);
+    for (int i = 0; i < ISO_ITEM_KINDS; i++) iso_free(editor->item_notified[i]);
     iso_free(editor);
 }
 
 void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts) {
     editor->opts = *opts;
-    editor->notified_count = 0;
+    editor->notified_count = editor->painted_count = 0;
     editor->step++;
 }
 
@@ -129,7 +121,7 @@ static bool can_change(iso_tool tool, int32_t state) {
 /* Whether a tool can bring material to places where there was none. */
 static bool makes_material(iso_tool tool) {
     return tool != ISO_TOOL_CARVE && tool != ISO_TOOL_BLEND_CARVE && tool != ISO_TOOL_DEFLATE &&
-           tool != ISO_TOOL_SMOOTH && tool != ISO_TOOL_SCRAPE;
+           tool != ISO_TOOL_SMOOTH && tool != ISO_TOOL_SCRAPE && tool != ISO_TOOL_PAINT;
 }
 
 /* Computes the range of cells, lo .. hi, within a dab's influence, clipped to the grid. Returns whether the
@@ -188,9 +180,9 @@ static iso_status list_dab_cells(iso_editor *editor, const iso_dabs *dabs, const
 
 /* Lists the cells that the step has changed so far. MOVE edits the field as it was when the step began, so
  * cells that its earlier touches changed must be edited again. */
-static iso_status list_notified(iso_editor *editor, iso_error *error) {
-    const uint32_t *notified = editor->notified_cells.data;
-    for (size_t i = 0; i < editor->notified_count; i++) {
+static iso_status list_notified(iso_editor *editor, const iso_buffer *cells, size_t count, iso_error *error) {
+    const uint32_t *notified = cells->data;
+    for (size_t i = 0; i < count; i++) {
         int at[3];
         iso_hgrid_cell_position(editor->transaction.grid, notified[i], at);
         ISO_TRY(iso_transaction_add(&editor->transaction, at, true, error));
@@ -201,7 +193,10 @@ static iso_status list_notified(iso_editor *editor, iso_error *error) {
 static iso_status list_cells(iso_editor *editor, const iso_dabs *dabs, bool *clipped, iso_error *error) {
     for (int i = 0; i < dabs->count; i++)
         ISO_TRY(list_dab_cells(editor, dabs, &dabs->dab[i], clipped, error));
-    if (dabs->tool == ISO_TOOL_MOVE) ISO_TRY(list_notified(editor, error));
+    if (dabs->tool == ISO_TOOL_MOVE) {
+        ISO_TRY(list_notified(editor, &editor->notified_cells, editor->notified_count, error));
+        ISO_TRY(list_notified(editor, &editor->painted_cells, editor->painted_count, error));
+    }
     return iso_transaction_reserve(&editor->transaction, error);
 }
 
@@ -212,128 +207,16 @@ typedef struct brush_pass {
     const iso_dabs *dabs;
 } brush_pass;
 
-/* Returns the values of a cell that a warp reads: for MOVE those when the step began, for the others the
- * current ones. */
-static const float *source_of(const iso_editor *editor, iso_tool tool, uint32_t cell) {
-    int32_t state = editor->transaction.grid->cell[cell];
-    if (tool == ISO_TOOL_MOVE && editor->notified[cell] == editor->step) {
-        const float *original = editor->opts.original(editor->opts.observer.context, cell, &state);
-        if (original) return original;
-    }
-    return iso_transaction_grid_values(&editor->transaction, state);
-}
-
-/* Fills one row of a window: `count` voxels along x, beginning with voxel `first`. Beyond the grid its
- * outermost voxels are repeated. */
-static void fill_window_row(const iso_editor *editor, iso_tool tool, const int first[3], int count,
-                            float *out) {
-    const iso_hgrid *grid = editor->transaction.grid;
-    const int y = iso_clamp_index(first[1], grid->dims[1]), z = iso_clamp_index(first[2], grid->dims[2]);
-    for (int i = 0, copied; i < count; i += copied) {
-        const int x = iso_clamp_index(first[0] + i, grid->dims[0]), at = x % ISO_BRICK;
-        const size_t cell = iso_hgrid_cell_index(grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
-        const float *row = source_of(editor, tool, (uint32_t)cell) + (z % ISO_BRICK) * ISO_BRICK_ROWS +
-                           (y % ISO_BRICK) * ISO_BRICK;
-        copied = x != first[0] + i ? 1 : ISO_BRICK - at < count - i ? ISO_BRICK - at : count - i;
-        memcpy(out + i, row + at, (size_t)copied * sizeof *out);
-    }
-}
-
-/* Sets the window's box to all voxels that interpolation at the warp's positions reads. */
-static void find_window_box(const iso_warp *warp, iso_field_window *window) {
-    for (int axis = 0; axis < 3; axis++) {
-        float low = warp->position[axis][0], high = low;
-        for (int i = 1; i < ISO_BRICK_VOXELS; i++) {
-            const float p = warp->position[axis][i];
-            low = p < low ? p : low;
-            high = p > high ? p : high;
-        }
-        window->lo[axis] = (int)floorf(low);
-        window->size[axis] = (int)floorf(high) - window->lo[axis] + 2;
-    }
-}
-
-static bool window_is_too_large(const iso_field_window *window) {
-    return (double)window->size[0] * window->size[1] * window->size[2] > WINDOW_MAX;
-}
-
-/* Interpolates linearly, with the same arithmetic as the kernels, so that results are the same to the bit. */
-static float mix(float a, float b, float t) {
-    return a * (1 - t) + b * t;
-}
-
-/* Returns a voxel of the field that a warp reads. Beyond the grid its outermost voxels are repeated. */
-static float value_at(const iso_editor *editor, iso_tool tool, const int at[3]) {
-    const iso_hgrid *grid = editor->transaction.grid;
-    int p[3];
-    for (int axis = 0; axis < 3; axis++) p[axis] = iso_clamp_index(at[axis], grid->dims[axis]);
-    const size_t cell = iso_hgrid_cell_index(grid, p[0] / ISO_BRICK, p[1] / ISO_BRICK, p[2] / ISO_BRICK);
-    return source_of(editor, tool, (uint32_t)cell)[(p[2] % ISO_BRICK) * ISO_BRICK_ROWS +
-                                                   (p[1] % ISO_BRICK) * ISO_BRICK + p[0] % ISO_BRICK];
-}
-
-/* Computes what the kernel's `sample` computes, to the bit, but reads the grid voxel by voxel instead of a
- * window. */
-static void sample_without_window(const iso_editor *editor, iso_tool tool, const int brick[3],
-                                  const iso_warp *warp, const iso_field_window *window, float *out) {
-    for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
-        float part[3], row[4];
-        int first[3];
-        for (int axis = 0; axis < 3; axis++) {
-            const float p = warp->position[axis][i] - (float)window->lo[axis], whole = floorf(p);
-            part[axis] = p - whole;
-            first[axis] = ISO_BRICK * brick[axis] + window->lo[axis] + (int)whole;
-        }
-        for (int k = 0; k < 4; k++) {
-            const int a[3] = {first[0], first[1] + (k & 1), first[2] + (k >> 1)},
-                      b[3] = {a[0] + 1, a[1], a[2]};
-            row[k] = mix(value_at(editor, tool, a), value_at(editor, tool, b), part[0]);
-        }
-        out[i] = mix(mix(row[0], row[1], part[1]), mix(row[2], row[3], part[1]), part[2]);
-    }
-}
-
-static bool fill_window(const iso_editor *editor, iso_tool tool, const int brick[3], iso_field_window *window,
-                        iso_buffer *buffer) {
-    size_t row = (size_t)window->size[0], rows = (size_t)window->size[1] * (size_t)window->size[2];
-    if (iso_buffer_reserve(buffer, row * rows * sizeof(float), 0, NULL) != ISO_OK) return false;
-    float *out = buffer->data;
-    window->values = out;
-    for (size_t i = 0; i < rows; i++) {
-        const int first[3] = {ISO_BRICK * brick[0] + window->lo[0],
-                              ISO_BRICK * brick[1] + window->lo[1] + (int)(i % (size_t)window->size[1]),
-                              ISO_BRICK * brick[2] + window->lo[2] + (int)(i / (size_t)window->size[1])};
-        fill_window_row(editor, tool, first, window->size[0], out + i * row);
-    }
-    return true;
-}
-
-static void warp_cell(const brush_pass *pass, iso_edit_cell *edit_cell, iso_worker_scratch *scratch,
-                      float *out) {
-    const iso_editor *editor = pass->editor;
-    const iso_tool tool = pass->dabs->tool;
-    edit_cell->source = source_of(editor, tool, edit_cell->cell);
-    if (!editor->transaction.dab->warp(pass->dabs, edit_cell->at, &scratch->warp)) {
-        memcpy(out, edit_cell->source, ISO_BRICK_VOXELS * sizeof(float));
-        return;
-    }
-    iso_field_window window;
-    find_window_box(&scratch->warp, &window);
-    if (window_is_too_large(&window))
-        sample_without_window(editor, tool, edit_cell->at, &scratch->warp, &window, out);
-    else if (fill_window(editor, tool, edit_cell->at, &window, &scratch->window))
-        editor->transaction.dab->sample(&scratch->warp, &window, out);
-    else
-        scratch->failed = true;
-}
-
 static void brush_cell(void *context, size_t index, int worker) {
     const brush_pass *pass = context;
     iso_transaction *transaction = &pass->editor->transaction;
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
     float *out = iso_transaction_scratch_brick(transaction, worker);
+    iso_painter *painter = &pass->editor->painter;
+    bool warped = false;
     if (iso_tool_is_warp(pass->dabs->tool))
-        warp_cell(pass, edit_cell, &transaction->workers[worker], out);
+        warped =
+            iso_editor_warp_cell(pass->editor, pass->dabs, edit_cell, &transaction->workers[worker], out);
     else {
         /* The brush reads the grid's values, which are those before the touch, because other threads are
          * writing the new values of neighbouring cells. */
@@ -343,6 +226,9 @@ static void brush_cell(void *context, size_t index, int worker) {
         transaction->dab->edit(pass->dabs, edit_cell->at, &stencil, out);
     }
     iso_transaction_accept_scratch(transaction, index, worker);
+    if (painter->dabs)
+        iso_painter_note(painter, index, edit_cell->edited ? &edit_cell->changed : NULL,
+                         warped ? &transaction->workers[worker].warp : NULL);
 }
 
 /* ---- a touch */
@@ -365,13 +251,43 @@ static iso_status notify_observer(iso_editor *editor, iso_error *error) {
     return ISO_OK;
 }
 
+/* Tells the observer, once in a step, that an item of a cell is going to change. */
+static iso_status notify_item_observer(iso_editor *editor, iso_item_kind kind, uint32_t cell,
+                                       iso_error *error) {
+    const iso_write_observer *observer = &editor->opts.observer;
+    if (observer->item_before && editor->item_notified[kind][cell] != editor->step)
+        ISO_TRY(observer->item_before(observer->context, kind, cell,
+                                      editor->transaction.items.of[kind].cell[cell], error));
+    editor->item_notified[kind][cell] = editor->step;
+    return ISO_OK;
+}
+
+/* The same for the cells whose paint is about to be written. */
+static iso_status notify_paint_observer(iso_editor *editor, iso_error *error) {
+    const uint32_t *notified = editor->item_notified[ISO_ITEM_PAINT];
+    for (size_t i = 0; i < editor->painter.cell_count; i++) {
+        const iso_painted_cell *painted = iso_painter_cell(&editor->painter, i);
+        if (!painted->differs || notified[painted->cell] == editor->step) continue;
+        const size_t bytes = editor->painted_count * sizeof(uint32_t);
+        ISO_TRY(iso_buffer_reserve(&editor->painted_cells, bytes + sizeof(uint32_t), bytes, error));
+        ISO_TRY(notify_item_observer(editor, ISO_ITEM_PAINT, painted->cell, error));
+        ((uint32_t *)editor->painted_cells.data)[editor->painted_count++] = painted->cell;
+    }
+    return ISO_OK;
+}
+
 static iso_status commit_changes(iso_editor *editor, iso_edit_stats *stats, iso_error *error) {
     iso_transaction *transaction = &editor->transaction;
-    bool any;
+    iso_painter *painter = &editor->painter;
+    bool any, painted = false;
     iso_transaction_compare(transaction, &any);
-    if (!any) return ISO_OK;
-    ISO_TRY(notify_observer(editor, error));
-    return iso_transaction_commit(transaction, stats, error);
+    if (painter->dabs) ISO_TRY(iso_painter_finish(painter, &painted, error));
+    if (painted) ISO_TRY(notify_paint_observer(editor, error));
+    if (painted) ISO_TRY(iso_painter_log(painter, error));
+    if (any) ISO_TRY(notify_observer(editor, error));
+    if (any) ISO_TRY(iso_transaction_commit(transaction, stats, error));
+    if (painted) iso_painter_commit(painter);
+    return ISO_OK;
 }
 
 /* Returns the far_value (iso_changed_stencil) of a touch: the end of the band that is right on both sides of
@@ -388,6 +304,8 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
     brush_pass pass = {.editor = editor, .dabs = dabs};
     ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
     editor->cost += (double)transaction->cell_count * cell_cost(dabs);
+    const bool paints = iso_painter_begin(&editor->painter, dabs);
+    if (paints) ISO_TRY(iso_painter_list(&editor->painter, error));
     transaction->far_value = far_value_of(dabs);
     transaction->band_damaged =
         dabs->tool == ISO_TOOL_MOVE; /* MOVE stretches and compresses the field without limit */
@@ -396,20 +314,36 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a touch of the brush");
     bool any;
     ISO_TRY(iso_transaction_end_brush(transaction, editor->iterations > 0, &any, error));
-    if (!any) return ISO_OK;
+    if (!any && !paints) return ISO_OK;
     for (size_t i = 0; i < transaction->cell_count; i++)
         stats->edited += iso_transaction_cell(transaction, i)->edited;
     stats->redistanced += transaction->cell_count;
     editor->cost += (double)transaction->cell_count * (transaction->band_damaged ? 3 : 1);
     bool blends = dabs->tool == ISO_TOOL_BLEND_ADD || dabs->tool == ISO_TOOL_BLEND_CARVE;
-    if (editor->iterations > 0)
+    if (any && editor->iterations > 0)
         ISO_TRY(iso_transaction_redistance(
             transaction, transaction->band_damaged ? DAMAGED_BAND_ITERATIONS : editor->iterations,
             blends || !iso_tool_is_set_operation(dabs->tool), error));
     return commit_changes(editor, stats, error);
 }
 
+static iso_status touch_paint(iso_editor *editor, const iso_dabs *dabs, iso_edit_stats *stats,
+                              iso_error *error) {
+    iso_painter *painter = &editor->painter;
+    if (!iso_painter_begin(painter, dabs)) return ISO_OK;
+    ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
+    ISO_TRY(iso_painter_list(painter, error));
+    editor->cost += (double)painter->cell_count * cell_cost(dabs);
+    ISO_TRY(commit_changes(editor, stats, error));
+    for (size_t i = 0; i < painter->cell_count; i++) stats->edited += iso_painter_cell(painter, i)->differs;
+    return ISO_OK;
+}
+
 /* ---- masking */
+
+static iso_mask *mask_of(iso_editor *editor) {
+    return &editor->transaction.items.of[ISO_ITEM_MASK];
+}
 
 /* Sets (MASK) or clears (UNMASK) the bits of a cell's voxels within the dab's radius; returns whether any
  * changed. */
@@ -435,19 +369,9 @@ static bool mask_cell(iso_voxel_bits *bits, const iso_dabs *dabs, const iso_dab 
 static bool find_mask_bits(const iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
                            const int at[3], uint32_t *cell, iso_voxel_bits *bits) {
     *cell = (uint32_t)iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
-    const iso_voxel_bits *before = iso_mask_bits(&editor->transaction.mask, *cell);
+    const iso_voxel_bits *before = iso_mask_bits(iso_transaction_mask(&editor->transaction), *cell);
     *bits = before ? *before : (iso_voxel_bits){{0}};
     return mask_cell(bits, dabs, dab, at);
-}
-
-/* Tells the observer, once in a step, that the mask of a cell is going to change. */
-static iso_status notify_mask_observer(iso_editor *editor, uint32_t cell, iso_error *error) {
-    const iso_write_observer *observer = &editor->opts.observer;
-    const iso_voxel_bits *bits = iso_mask_bits(&editor->transaction.mask, cell);
-    if (observer->mask_before && editor->mask_notified[cell] != editor->step)
-        ISO_TRY(observer->mask_before(observer->context, cell, bits, error));
-    editor->mask_notified[cell] = editor->step;
-    return ISO_OK;
 }
 
 /* Does the part of masking a cell that can fail: notifies the observer and allocates bits. */
@@ -456,8 +380,8 @@ static iso_status prepare_mask_cell(iso_editor *editor, const iso_dabs *dabs, co
     uint32_t cell;
     iso_voxel_bits bits;
     if (!find_mask_bits(editor, dabs, dab, at, &cell, &bits)) return ISO_OK;
-    ISO_TRY(notify_mask_observer(editor, cell, error));
-    return iso_mask_reserve(&editor->transaction.mask, cell, error);
+    ISO_TRY(notify_item_observer(editor, ISO_ITEM_MASK, cell, error));
+    return iso_cell_items_reserve(mask_of(editor), cell, error);
 }
 
 /* Writes the mask bits of a cell; cannot fail, because prepare_mask_cell has allocated them. */
@@ -466,17 +390,17 @@ static iso_status write_mask_cell(iso_editor *editor, const iso_dabs *dabs, cons
     uint32_t cell;
     iso_voxel_bits bits;
     if (!find_mask_bits(editor, dabs, dab, at, &cell, &bits)) return ISO_OK;
-    return iso_mask_set(&editor->transaction.mask, cell, &bits, error);
+    return iso_cell_items_set(mask_of(editor), cell, &bits, error);
 }
 
 /* Frees the bits that prepare_mask_cell allocated, if they were not written. */
 static iso_status release_mask_cell(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab,
                                     const int at[3], iso_error *error) {
-    iso_mask *mask = &editor->transaction.mask;
+    iso_mask *mask = mask_of(editor);
     const size_t cell = iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
     (void)dabs;
     (void)dab;
-    return iso_mask_set(mask, cell, iso_mask_bits(mask, cell), error);
+    return iso_cell_items_set(mask, cell, iso_mask_bits(mask, cell), error);
 }
 
 typedef iso_status mask_cell_fn(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, const int at[3],
@@ -525,27 +449,27 @@ static bool find_whole_mask_bits(const iso_mask *mask, iso_tool tool, size_t cel
 
 /* Does the part of changing the whole mask that can fail. */
 static iso_status prepare_whole_mask(iso_editor *editor, iso_tool tool, iso_error *error) {
-    iso_mask *mask = &editor->transaction.mask;
+    iso_mask *mask = mask_of(editor);
     iso_voxel_bits bits;
     for (size_t cell = 0; cell < mask->cells; cell++) {
         if (!find_whole_mask_bits(mask, tool, cell, &bits)) continue;
-        ISO_TRY(notify_mask_observer(editor, (uint32_t)cell, error));
-        ISO_TRY(iso_mask_reserve(mask, cell, error));
+        ISO_TRY(notify_item_observer(editor, ISO_ITEM_MASK, (uint32_t)cell, error));
+        ISO_TRY(iso_cell_items_reserve(mask, cell, error));
     }
     return ISO_OK;
 }
 
 /* Clears or inverts the whole mask. If it fails, the bits that were allocated for it are freed again. */
 static iso_status change_whole_mask(iso_editor *editor, iso_tool tool, iso_error *error) {
-    iso_mask *mask = &editor->transaction.mask;
+    iso_mask *mask = mask_of(editor);
     iso_voxel_bits bits;
     editor->cost += (double)mask->cells / 64; /* inverting 64 cells takes as long as editing one */
     const iso_status status = prepare_whole_mask(editor, tool, error);
     for (size_t cell = 0; cell < mask->cells; cell++)
         if (status != ISO_OK)
-            iso_mask_set(mask, cell, iso_mask_bits(mask, cell), NULL);
+            iso_cell_items_set(mask, cell, iso_mask_bits(mask, cell), NULL);
         else if (find_whole_mask_bits(mask, tool, cell, &bits))
-            iso_mask_set(mask, cell, &bits, NULL); /* cannot fail: its bits are allocated */
+            iso_cell_items_set(mask, cell, &bits, NULL); /* cannot fail: its bits are allocated */
     return status;
 }
 
@@ -604,8 +528,11 @@ iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const is
         status = touch_mask(editor, &dabs, error);
     else if (iso_tool_is_whole_mask(brush->tool))
         status = change_whole_mask(editor, brush->tool, error);
+    else if (brush->tool == ISO_TOOL_PAINT)
+        status = touch_paint(editor, &dabs, &made, error);
     else if (dabs.radius_voxels > 0) /* it is 0 at pressure 0 */
         status = touch_field(editor, &dabs, &made, error);
+    iso_painter_clear(&editor->painter);
     iso_transaction_clear(&editor->transaction);
     if (status == ISO_OK && stats) *stats = made;
     return status;
@@ -624,7 +551,7 @@ static bool fill_crease_window(const iso_editor *editor, const int at[3], iso_fi
     const float *cells[3][3][3];
     for (int axis = 0; axis < 3; axis++)
         if (at[axis] == 0 || at[axis] == grid->cells[axis] - 1)
-            return fill_window(editor, ISO_TOOL_ADD, at, window, buffer);
+            return iso_editor_fill_window(editor, ISO_TOOL_ADD, at, window, buffer);
     if (iso_buffer_reserve(buffer, SIDE * SIDE * SIDE * sizeof(float), 0, NULL) != ISO_OK) return false;
     for (int i = 0; i < 27; i++) {
         const size_t cell =
@@ -664,7 +591,7 @@ static void correct_creases(void *context, size_t index, int worker) {
 static iso_status finalize_cells(iso_editor *editor, iso_error *error) {
     iso_transaction *transaction = &editor->transaction;
     bool any;
-    ISO_TRY(list_notified(editor, error));
+    ISO_TRY(list_notified(editor, &editor->notified_cells, editor->notified_count, error));
     ISO_TRY(iso_transaction_reserve(transaction, error));
     iso_parallel_for(transaction->pool, transaction->cell_count, correct_creases, editor);
     if (iso_transaction_failed(transaction))
@@ -683,7 +610,7 @@ iso_status iso_editor_finalize(iso_editor *editor, iso_error *error) {
 
 /* Marks every voxel that is not frozen as changed. */
 static void change_all(const iso_transaction *transaction, iso_edit_cell *edit_cell) {
-    const iso_voxel_bits *masked = iso_mask_bits(&transaction->mask, edit_cell->cell);
+    const iso_voxel_bits *masked = iso_mask_bits(iso_transaction_mask(transaction), edit_cell->cell);
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         edit_cell->changed.row[row] = masked ? (uint16_t)~masked->row[row] : 0xffff;
     iso_transaction_find_box(edit_cell, &edit_cell->changed);
@@ -713,18 +640,18 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_p
 
 bool iso_editor_masked(const iso_editor *editor, int x, int y, int z) {
     size_t cell = iso_hgrid_cell_index(editor->transaction.grid, x / ISO_BRICK, y / ISO_BRICK, z / ISO_BRICK);
-    const iso_voxel_bits *bits = iso_mask_bits(&editor->transaction.mask, cell);
+    const iso_voxel_bits *bits = iso_mask_bits(iso_transaction_mask(&editor->transaction), cell);
     return bits && bits->row[z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK] >> (x % ISO_BRICK) & 1;
 }
 
 bool iso_editor_has_mask(const iso_editor *editor) {
-    return editor->transaction.mask.used > 0;
+    return iso_transaction_mask(&editor->transaction)->used > 0;
 }
 
-void iso_editor_mask_clear(iso_editor *editor) {
-    iso_mask_clear(&editor->transaction.mask);
+iso_field_items *iso_editor_items(iso_editor *editor) {
+    return &editor->transaction.items;
 }
 
-iso_mask *iso_editor_mask(iso_editor *editor) {
-    return &editor->transaction.mask;
+iso_change_log *iso_editor_paint_log(iso_editor *editor) {
+    return editor->painter.log;
 }

@@ -17,6 +17,7 @@
 #include "sculpt/brush/brush.h"
 #include "sculpt/brush/stamp.h"
 #include "sculpt/field/mask.h"
+#include "sculpt/field/paint.h"
 
 /* Callbacks that preserve the old content of cells for undo. In each step each cell is reported once, before
  * a touch first writes it. A status other than ISO_OK stops the touch before anything is written. */
@@ -24,8 +25,9 @@ typedef struct iso_write_observer {
     /* `state` is the cell's entry in the grid (a brick number, ISO_CELL_OUTSIDE or ISO_CELL_INSIDE), `brick`
      * the brick's values, or NULL for an empty cell. */
     iso_status (*before)(void *context, uint32_t cell, int32_t state, const float *brick, iso_error *error);
-    /* Before a tool changes the mask of a cell; `bits` is NULL when none of its voxels is frozen. */
-    iso_status (*mask_before)(void *context, uint32_t cell, const iso_voxel_bits *bits, iso_error *error);
+    /* Before a tool changes an item of a cell, its mask or its paint; `item` is NULL when it has none, and
+     * may be shared (iso_item_share). */
+    iso_status (*item_before)(void *context, iso_item_kind kind, uint32_t cell, void *item, iso_error *error);
     void *context;
 } iso_write_observer;
 
@@ -50,14 +52,16 @@ typedef struct iso_step_opts {
      * cell. MOVE needs this function, because it drags the field as it was when the step began; without it
      * (NULL) MOVE fails with ISO_ERR_USAGE. */
     const float *(*original)(void *context, uint32_t cell, int32_t *state);
+    /* The same of the paint of a cell that `item_before` was given (NULL: it had none); *kept: whether it
+     * was. */
+    const iso_paint_item *(*original_paint)(void *context, uint32_t cell, bool *kept);
     const iso_stamp *stamp; /* for ISO_SOLID_STAMP; borrowed during the step */
 } iso_step_opts;
 void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts);
 
 /* Applies one touch, and its mirror images according to the brush's symmetry, as one edit of the change log.
- * `stats` may be NULL. If the touch fails, grid and mask are unchanged. ISO_ERR_NOMEM, the errors of the
- * observer; ISO_ERR_USAGE: a bad brush or sample; ISO_ERR_LIMIT: more than
- * ISO_LIMIT_TOUCH_CELLS cells. */
+ * `stats` may be NULL. If the touch fails, grid and items are unchanged. ISO_ERR_NOMEM, the errors of the
+ * observer; ISO_ERR_USAGE: a bad brush or sample; ISO_ERR_LIMIT: more than ISO_LIMIT_TOUCH_CELLS cells. */
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                             iso_edit_stats *stats, iso_error *error);
 
@@ -95,7 +99,10 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_p
  * them (mask_boundary.h). */
 bool iso_editor_masked(const iso_editor *editor, int x, int y, int z); /* a voxel inside the grid */
 bool iso_editor_has_mask(const iso_editor *editor);
-void iso_editor_mask_clear(iso_editor *editor);
-iso_mask *iso_editor_mask(iso_editor *editor); /* the editor's own; undo and checkpoints write it */
+
+/* The editor's own mask and paint, which undo and checkpoints write, and the log of the voxels whose colours
+ * have changed. */
+iso_field_items *iso_editor_items(iso_editor *editor);
+iso_change_log *iso_editor_paint_log(iso_editor *editor);
 
 #endif

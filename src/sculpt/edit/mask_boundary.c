@@ -22,7 +22,7 @@ static bool is_bit(const iso_voxel_bits *bits, int at) {
 }
 
 static bool is_masked(const iso_transaction *transaction, const voxel_ref *p) {
-    const iso_voxel_bits *bits = iso_mask_bits(&transaction->mask, p->cell);
+    const iso_voxel_bits *bits = iso_mask_bits(iso_transaction_mask(transaction), p->cell);
     return bits && is_bit(bits, p->at);
 }
 
@@ -82,7 +82,7 @@ static float bound_changed(const iso_transaction *transaction, const voxel_ref *
 }
 
 bool iso_mask_boundary_any_frozen(const iso_transaction *transaction) {
-    for (size_t i = 0; i < transaction->cell_count && transaction->mask.used; i++) {
+    for (size_t i = 0; i < transaction->cell_count && iso_transaction_mask(transaction)->used; i++) {
         const iso_edit_cell *edit_cell = iso_transaction_cell(transaction, i);
         for (int k = 0; k < 27 && edit_cell->edited; k++) {
             const int at[3] = {edit_cell->at[0] + k % 3 - 1, edit_cell->at[1] + k / 3 % 3 - 1,
@@ -90,7 +90,7 @@ bool iso_mask_boundary_any_frozen(const iso_transaction *transaction) {
             bool within = true;
             for (int axis = 0; axis < 3; axis++)
                 within &= at[axis] >= 0 && at[axis] < transaction->grid->cells[axis];
-            if (within && iso_mask_bits(&transaction->mask,
+            if (within && iso_mask_bits(iso_transaction_mask(transaction),
                                         iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2])))
                 return true;
         }
@@ -106,13 +106,13 @@ static uint32_t beside_frozen(const iso_transaction *transaction, uint32_t cell,
         const int end = face == 1 ? ISO_BRICK - 1 : 0;
         from.at = row * ISO_BRICK + end;
         if (face < 2) { /* the neighbours in the same row */
-            const iso_voxel_bits *own = iso_mask_bits(&transaction->mask, cell);
+            const iso_voxel_bits *own = iso_mask_bits(iso_transaction_mask(transaction), cell);
             const uint32_t frozen = own ? own->row[row] : 0;
             bits |= face ? frozen >> 1 : frozen << 1;
             if (get_neighbour(transaction, &from, face, &to))
                 bits |= (uint32_t)is_masked(transaction, &to) << end;
         } else if (get_neighbour(transaction, &from, face, &to)) {
-            const iso_voxel_bits *other = iso_mask_bits(&transaction->mask, to.cell);
+            const iso_voxel_bits *other = iso_mask_bits(iso_transaction_mask(transaction), to.cell);
             bits |= other ? other->row[to.at / ISO_BRICK] : 0;
         }
     }

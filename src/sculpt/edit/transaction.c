@@ -35,7 +35,7 @@ iso_status iso_transaction_init(iso_transaction *transaction, iso_hgrid *grid, i
         for (int i = 0; transaction->constant[sign] && i < ISO_BRICK_VOXELS; i++)
             transaction->constant[sign][i] = sign ? -grid->band : grid->band;
     }
-    iso_status status = iso_mask_init(&transaction->mask, cells, NULL);
+    iso_status status = iso_field_items_init(&transaction->items, cells, NULL);
     if (status == ISO_OK) status = iso_slabs_reserve(&transaction->slabs, 1, NULL);
     iso_slabs_prefault(&transaction->slabs);
     if (transaction->edit_cell_of && transaction->workers && transaction->constant[0] &&
@@ -46,7 +46,7 @@ iso_status iso_transaction_init(iso_transaction *transaction, iso_hgrid *grid, i
 }
 
 void iso_transaction_free(iso_transaction *transaction) {
-    iso_mask_free(&transaction->mask);
+    iso_field_items_free(&transaction->items);
     iso_free(transaction->edit_cell_of);
     iso_free(transaction->constant[0]);
     iso_free(transaction->constant[1]);
@@ -237,9 +237,9 @@ void iso_transaction_accept_scratch(iso_transaction *transaction, size_t number,
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number);
     float *values = transaction->workers[worker].brick;
     const float *before = iso_transaction_grid_values(transaction, edit_cell->state);
-    edit_cell->edited = transaction->dab->find_changes(edit_cell->source ? edit_cell->source : before,
-                                                       iso_mask_bits(&transaction->mask, edit_cell->cell),
-                                                       values, &edit_cell->changed);
+    edit_cell->edited = transaction->dab->find_changes(
+        edit_cell->source ? edit_cell->source : before,
+        iso_mask_bits(iso_transaction_mask(transaction), edit_cell->cell), values, &edit_cell->changed);
     if (edit_cell->source)
         edit_cell->edited |= memcmp(values, before, ISO_BRICK_VOXELS * sizeof *values) != 0;
     if (!edit_cell->edited) return;
@@ -430,7 +430,7 @@ static void classify_cell(void *context, size_t index, int worker) {
     find_near_rows(p->transaction, edit_cell, &near);
     p->transaction->redistancer->classify(&stencil, p->transaction->grid->band, &near, &edit_cell->band);
     if (p->transaction->band_damaged) edit_cell->band.active = near;
-    const iso_voxel_bits *masked = iso_mask_bits(&p->transaction->mask, edit_cell->cell);
+    const iso_voxel_bits *masked = iso_mask_bits(iso_transaction_mask(p->transaction), edit_cell->cell);
     if (masked) fix_masked(p->transaction, edit_cell, masked);
 }
 

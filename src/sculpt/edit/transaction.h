@@ -70,8 +70,8 @@ typedef struct iso_transaction {
     const iso_dab_kernel *dab;
     float *constant[2];     /* bricks filled with +band and -band */
     uint32_t *edit_cell_of; /* by grid cell: 1 + the index of its edit cell, 0: not listed */
-    iso_mask mask;
-    iso_buffer cells; /* iso_edit_cell */
+    iso_field_items items;  /* the mask and the paint of the field */
+    iso_buffer cells;       /* iso_edit_cell */
     size_t cell_count;
     float far_value;   /* of iso_changed_stencil; 0: redistancing starts from every changed voxel */
     bool band_damaged; /* the edit may have left gaps in the band: all of it near the change is redistanced */
@@ -89,9 +89,12 @@ typedef struct iso_transaction {
 iso_status iso_transaction_init(iso_transaction *transaction, iso_hgrid *grid, iso_pool *pool,
                                 iso_error *error);
 void iso_transaction_free(iso_transaction *transaction);
-/* Removes all cells from the list, for the next touch. The mask and the memory stay. */
+/* Removes all cells from the list, for the next touch. The items and the memory stay. */
 void iso_transaction_clear(iso_transaction *transaction);
 
+static inline const iso_mask *iso_transaction_mask(const iso_transaction *transaction) {
+    return &transaction->items.of[ISO_ITEM_MASK];
+}
 /* Return edit cell `index`, and its current values (a brick). */
 static inline iso_edit_cell *iso_transaction_cell(const iso_transaction *transaction, size_t index) {
     return (iso_edit_cell *)transaction->cells.data + index;

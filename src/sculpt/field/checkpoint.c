@@ -1,5 +1,6 @@
 /* Reads and writes checkpoint files: a head, for each cell its state or its packed brick (cell_pack.h), the
- * masks, and the CRC-32C of everything before it. A file is checked as a whole before the grid is changed. */
+ * masks, the paint, and the CRC-32C of everything before it. A file is checked as a whole before the grid is
+ * changed. */
 #include "sculpt/field/checkpoint.h"
 
 #include <errno.h>
@@ -13,10 +14,14 @@
 #include "base/memory.h"
 #include "base/thread.h"
 #include "sculpt/field/cell_pack.h"
+#include "sculpt/field/mask.h"
+#include "sculpt/field/paint.h"
 
 /* The head is followed, for each cell, by an int32: a negative state of an empty cell, or the size of the
- * packed brick that follows; then, for each of `masks` cells, by its number (uint32) and its iso_voxel_bits;
- * then by the checksum. Little-endian, like all supported machines. */
+ * packed brick that follows; then, for each of `masks` cells, by its number (uint32) and its iso_voxel_bits.
+ * In files with paint (PAINTED) the number of painted cells (uint32) follows, and for each its number, the
+ * size of its packed item (uint32 each) and the packed item; then the checksum. Little-endian, like all
+ * supported machines. */
 typedef struct file_head {
     char magic[8];
     int32_t dims[3];
@@ -24,12 +29,14 @@ typedef struct file_head {
     uint32_t masks;
 } file_head;
 
-static const char MAGIC[8] = "isosnp2";
+static const char MAGIC[8] = "isosnp2", PAINTED[8] = "isosnp3";
 enum { MARK_BYTES = 6 }; /* which files of all versions begin with */
+/* Bytes of a packed item of paint, at most. */
+enum { PAINT_PACK_MAX = ISO_BRICK_VOXELS / 8 + sizeof(iso_paint_item) };
 
-static file_head file_head_of(const iso_hgrid *grid) {
+static file_head file_head_of(const iso_hgrid *grid, bool painted) {
     file_head h = {.band = grid->band};
-    memcpy(h.magic, MAGIC, sizeof h.magic);
+    memcpy(h.magic, painted ? PAINTED : MAGIC, sizeof h.magic);
     for (int axis = 0; axis < 3; axis++) h.dims[axis] = grid->dims[axis];
     return h;
 }
@@ -49,9 +56,25 @@ static void put_mask(FILE *file, uint32_t *crc, const iso_mask *mask) {
     }
 }
 
-void iso_checkpoint_put(FILE *stream, const iso_hgrid *grid, const iso_mask *mask) {
+static void put_paint(FILE *file, uint32_t *crc, const iso_cell_items *paint) {
+    const uint32_t count = (uint32_t)paint->used;
+    put_bytes(file, crc, &count, sizeof count);
+    for (size_t i = 0; i < paint->cells; i++) {
+        uint8_t packed[PAINT_PACK_MAX];
+        const void *item = paint->cell[i];
+        if (!item) continue;
+        const uint32_t head[2] = {(uint32_t)i, (uint32_t)iso_item_pack_size(item, paint->bytes)};
+        iso_item_pack(item, paint->bytes, packed);
+        put_bytes(file, crc, head, sizeof head);
+        put_bytes(file, crc, packed, head[1]);
+    }
+}
+
+void iso_checkpoint_put(FILE *stream, const iso_hgrid *grid, const iso_field_items *items) {
     uint32_t crc = 0;
-    file_head h = file_head_of(grid);
+    const iso_mask *mask = &items->of[ISO_ITEM_MASK];
+    const iso_cell_items *paint = &items->of[ISO_ITEM_PAINT];
+    file_head h = file_head_of(grid, paint->used > 0);
     h.masks = (uint32_t)mask->used;
     put_bytes(stream, &crc, &h, sizeof h);
     for (size_t i = 0; i < iso_hgrid_cell_count(grid); i++) {
@@ -66,14 +89,15 @@ void iso_checkpoint_put(FILE *stream, const iso_hgrid *grid, const iso_mask *mas
         if (size >= 0) put_bytes(stream, &crc, bytes, (size_t)size);
     }
     put_mask(stream, &crc, mask);
+    if (paint->used) put_paint(stream, &crc, paint);
     fwrite(&crc, 1, sizeof crc, stream);
 }
 
-iso_status iso_checkpoint_write(const char *path, const iso_hgrid *grid, const iso_mask *mask,
+iso_status iso_checkpoint_write(const char *path, const iso_hgrid *grid, const iso_field_items *items,
                                 iso_error *error) {
     iso_sink sink;
     ISO_TRY(iso_sink_open_own(path, MAGIC, MARK_BYTES, &sink, error));
-    iso_checkpoint_put(sink.stream, grid, mask);
+    iso_checkpoint_put(sink.stream, grid, items);
     return iso_sink_commit(&sink, error);
 }
 
@@ -83,7 +107,7 @@ struct iso_checkpoint {
     pthread_t thread;
     char *path;
     iso_snapshot *snapshot;
-    iso_mask mask;
+    iso_field_items items;
     bool written;
     atomic_bool done;
 };
@@ -91,7 +115,7 @@ struct iso_checkpoint {
 static iso_status write_snapshot(iso_checkpoint *checkpoint) {
     iso_hgrid *grid;
     ISO_TRY(iso_snapshot_copy(checkpoint->snapshot, NULL, &grid, NULL));
-    iso_status status = iso_checkpoint_write(checkpoint->path, grid, &checkpoint->mask, NULL);
+    iso_status status = iso_checkpoint_write(checkpoint->path, grid, &checkpoint->items, NULL);
     iso_hgrid_destroy(grid);
     return status;
 }
@@ -103,20 +127,13 @@ static void *write_in_thread(void *context) {
     return NULL;
 }
 
-static iso_status copy_mask(const iso_mask *from, iso_mask *to, iso_error *error) {
-    ISO_TRY(iso_mask_init(to, from->cells, error));
-    for (size_t i = 0; from->used && i < from->cells; i++)
-        if (iso_mask_bits(from, i)) ISO_TRY(iso_mask_set(to, i, iso_mask_bits(from, i), error));
-    return ISO_OK;
-}
-
 static void free_checkpoint(iso_checkpoint *checkpoint) {
-    if (checkpoint->mask.cell) iso_mask_free(&checkpoint->mask);
+    iso_field_items_free(&checkpoint->items);
     iso_free(checkpoint->path);
     iso_free(checkpoint);
 }
 
-iso_status iso_checkpoint_start(const char *path, iso_snapshot *snapshot, const iso_mask *mask,
+iso_status iso_checkpoint_start(const char *path, iso_snapshot *snapshot, const iso_field_items *items,
                                 iso_checkpoint **out, iso_error *error) {
     iso_checkpoint *checkpoint = iso_alloc_zero(1, sizeof *checkpoint);
     if (!checkpoint) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a snapshot");
@@ -124,7 +141,7 @@ iso_status iso_checkpoint_start(const char *path, iso_snapshot *snapshot, const 
     checkpoint->snapshot = snapshot;
     checkpoint->path = iso_alloc(size);
     if (checkpoint->path) memcpy(checkpoint->path, path, size);
-    iso_status status = checkpoint->path ? copy_mask(mask, &checkpoint->mask, error)
+    iso_status status = checkpoint->path ? iso_field_items_copy(items, &checkpoint->items, error)
                                          : iso_fail(error, ISO_ERR_NOMEM, "out of memory for a snapshot");
     if (status == ISO_OK && iso_thread_start(&checkpoint->thread, write_in_thread, checkpoint))
         status = iso_fail(error, ISO_ERR_NOMEM, "no thread can be started for a snapshot");
@@ -152,12 +169,14 @@ typedef struct file_reader {
     const char *path;
     const uint8_t *at, *end;
     uint32_t masks;
+    bool painted;
 } file_reader;
 
 /* Returns the size of the largest possible checkpoint of a grid, in bytes. */
 static uint64_t most_bytes(const iso_hgrid *grid) {
-    const uint64_t each = sizeof(int32_t) + ISO_CELL_PACK_MAX + sizeof(uint32_t) + sizeof(iso_voxel_bits);
-    return sizeof(file_head) + iso_hgrid_cell_count(grid) * each + sizeof(uint32_t);
+    const uint64_t each = sizeof(int32_t) + ISO_CELL_PACK_MAX + sizeof(uint32_t) + sizeof(iso_voxel_bits) +
+                          2 * sizeof(uint32_t) + PAINT_PACK_MAX;
+    return sizeof(file_head) + iso_hgrid_cell_count(grid) * each + 2 * sizeof(uint32_t);
 }
 
 /* Reads a whole file. A journal may name any file, so the size is checked first. */
@@ -204,10 +223,36 @@ static uint32_t read_mask(file_reader *r, iso_voxel_bits *bits) {
 static bool masks_are_sound(file_reader *r, size_t cells) {
     iso_voxel_bits bits;
     const size_t each = sizeof(uint32_t) + sizeof bits;
-    if ((size_t)(r->end - r->at) != r->masks * each) return false;
+    if ((size_t)(r->end - r->at) < r->masks * each) return false;
     for (uint32_t i = 0; i < r->masks; i++)
         if (read_mask(r, &bits) >= cells) return false;
     return true;
+}
+
+/* Reads a number. False: the file ends before. */
+static bool read_number(file_reader *r, uint32_t *number) {
+    if (r->end - r->at < (ptrdiff_t)sizeof *number) return false;
+    memcpy(number, r->at, sizeof *number);
+    r->at += sizeof *number;
+    return true;
+}
+
+/* Reads the paint of the next cell. False: it is damaged, or of no cell. */
+static bool read_paint(file_reader *r, size_t cells, uint32_t *cell, iso_paint_item *item) {
+    uint32_t size;
+    if (!read_number(r, cell) || !read_number(r, &size) || *cell >= cells || r->end - r->at < size)
+        return false;
+    r->at += size;
+    return iso_item_unpack(r->at - size, size, sizeof *item, item);
+}
+
+static bool paint_is_sound(file_reader *r, size_t cells) {
+    iso_paint_item item;
+    uint32_t count = 0, cell;
+    if (r->painted && !read_number(r, &count)) return false;
+    for (uint32_t i = 0; i < count; i++)
+        if (!read_paint(r, cells, &cell, &item)) return false;
+    return r->at == r->end;
 }
 
 /* Whether all values are distances within the band; NaN is not. */
@@ -227,22 +272,33 @@ static iso_status check_cells(file_reader r, const iso_hgrid *grid, iso_error *e
                            !brick_is_sound(brick, grid->band))))
             return iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
     }
-    return masks_are_sound(&r, iso_hgrid_cell_count(grid))
+    const size_t cells = iso_hgrid_cell_count(grid);
+    return masks_are_sound(&r, cells) && paint_is_sound(&r, cells)
                ? ISO_OK
                : iso_fail(error, ISO_ERR_FORMAT, "'%s' is damaged", r.path);
 }
 
 static iso_status fill_mask(file_reader *r, iso_mask *mask, iso_error *error) {
-    iso_mask_clear(mask);
+    iso_cell_items_clear(mask);
     for (uint32_t i = 0; i < r->masks; i++) {
         iso_voxel_bits bits;
         const uint32_t cell = read_mask(r, &bits);
-        ISO_TRY(iso_mask_set(mask, cell, &bits, error));
+        ISO_TRY(iso_cell_items_set(mask, cell, &bits, error));
     }
     return ISO_OK;
 }
 
-static iso_status fill_grid(file_reader r, iso_hgrid *grid, iso_mask *mask, iso_error *error) {
+static iso_status fill_paint(file_reader *r, iso_cell_items *paint, iso_error *error) {
+    iso_paint_item item;
+    uint32_t count = 0, cell;
+    iso_cell_items_clear(paint);
+    if (r->painted) read_number(r, &count); /* paint_is_sound has checked what is read here */
+    for (uint32_t i = 0; i < count; i++)
+        if (read_paint(r, paint->cells, &cell, &item)) ISO_TRY(iso_cell_items_set(paint, cell, &item, error));
+    return ISO_OK;
+}
+
+static iso_status fill_grid(file_reader r, iso_hgrid *grid, iso_field_items *items, iso_error *error) {
     const int lo[3] = {0, 0, 0}, hi[3] = {grid->dims[0] - 1, grid->dims[1] - 1, grid->dims[2] - 1};
     ISO_TRY(iso_hgrid_mark_changed(grid, lo, hi, error));
     for (size_t i = 0; i < iso_hgrid_cell_count(grid); i++) {
@@ -260,14 +316,16 @@ static iso_status fill_grid(file_reader r, iso_hgrid *grid, iso_mask *mask, iso_
         ISO_TRY(iso_hgrid_split(grid, at[0], at[1], at[2], &brick, error));
         iso_cell_unpack(bytes, (size_t)size, grid->band, brick);
     }
-    return fill_mask(&r, mask, error);
+    ISO_TRY(fill_mask(&r, &items->of[ISO_ITEM_MASK], error));
+    return fill_paint(&r, &items->of[ISO_ITEM_PAINT], error);
 }
 
 iso_status iso_checkpoint_get(const char *path, const uint8_t *bytes, size_t size, iso_hgrid *grid,
-                              iso_mask *mask, iso_error *error) {
-    file_head expected = file_head_of(grid);
+                              iso_field_items *items, iso_error *error) {
+    const bool painted = size >= sizeof PAINTED && memcmp(bytes, PAINTED, sizeof PAINTED) == 0;
+    file_head expected = file_head_of(grid, painted);
     uint32_t crc;
-    if (size < sizeof expected + sizeof crc || memcmp(bytes, MAGIC, sizeof MAGIC))
+    if (size < sizeof expected + sizeof crc || memcmp(bytes, expected.magic, sizeof expected.magic))
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' is not a snapshot", path);
     memcpy(&crc, bytes + size - sizeof crc, sizeof crc);
     if (crc != iso_crc32c(0, bytes, size - sizeof crc))
@@ -275,16 +333,16 @@ iso_status iso_checkpoint_get(const char *path, const uint8_t *bytes, size_t siz
     memcpy(&expected.masks, bytes + offsetof(file_head, masks), sizeof expected.masks);
     if (memcmp(bytes, &expected, sizeof expected))
         return iso_fail(error, ISO_ERR_FORMAT, "'%s' is a snapshot of another grid", path);
-    file_reader r = {path, bytes + sizeof expected, bytes + size - sizeof crc, expected.masks};
+    file_reader r = {path, bytes + sizeof expected, bytes + size - sizeof crc, expected.masks, painted};
     ISO_TRY(check_cells(r, grid, error));
-    return fill_grid(r, grid, mask, error);
+    return fill_grid(r, grid, items, error);
 }
 
-iso_status iso_checkpoint_read(const char *path, iso_hgrid *grid, iso_mask *mask, iso_error *error) {
+iso_status iso_checkpoint_read(const char *path, iso_hgrid *grid, iso_field_items *items, iso_error *error) {
     iso_buffer buffer = {0};
     size_t size = 0;
     iso_status status = load_file(path, grid, &buffer, &size, error);
-    if (status == ISO_OK) status = iso_checkpoint_get(path, buffer.data, size, grid, mask, error);
+    if (status == ISO_OK) status = iso_checkpoint_get(path, buffer.data, size, grid, items, error);
     iso_buffer_free(&buffer);
     return status;
 }

@@ -61,12 +61,18 @@ char *iso_event_header_text(const iso_journal_start *start) {
 }
 
 static json_t *brush_json(const iso_brush *brush) {
-    return json_pack("{ss ss ss sf sf sf sf sf si so sb sb}", "tool", iso_tool_name(brush->tool), "shape",
-                     iso_solid_name(brush->shape), "falloff", iso_falloff_name(brush->falloff), "radius",
-                     brush->radius, "strength", brush->strength, "aspect", brush->aspect, "blend",
-                     brush->blend, "spacing", brush->spacing, "symmetry", (int)brush->symmetry, "mirror",
-                     vector_json(brush->mirror), "pressure_radius", brush->pressure_radius,
-                     "pressure_strength", brush->pressure_strength);
+    json_t *object = json_pack(
+        "{ss ss ss sf sf sf sf sf si so sb sb}", "tool", iso_tool_name(brush->tool), "shape",
+        iso_solid_name(brush->shape), "falloff", iso_falloff_name(brush->falloff), "radius", brush->radius,
+        "strength", brush->strength, "aspect", brush->aspect, "blend", brush->blend, "spacing",
+        brush->spacing, "symmetry", (int)brush->symmetry, "mirror", vector_json(brush->mirror),
+        "pressure_radius", brush->pressure_radius, "pressure_strength", brush->pressure_strength);
+    char color[8];
+    if (!object || !brush->has_color) return object;
+    snprintf(color, sizeof color, "#%02x%02x%02x", brush->color.r, brush->color.g, brush->color.b);
+    if (!json_object_set_new(object, "color", json_string(color))) return object;
+    json_decref(object);
+    return NULL;
 }
 
 /* Adds the name and the levels of a stamp to an object. Nonzero: out of memory. */
@@ -266,6 +272,20 @@ static iso_status read_names(const json_t *object, iso_brush *brush, iso_error *
     return ISO_OK;
 }
 
+/* Reads the colour of a brush, "#rrggbb"; many have none. */
+static iso_status read_color(const json_t *object, iso_brush *brush, iso_error *error) {
+    const json_t *found = json_object_get(object, "color");
+    const char *text = json_string_value(found);
+    unsigned r, g, b;
+    brush->has_color = found != NULL;
+    if (!found) return ISO_OK;
+    if (!text || strlen(text) != 7 || text[0] != '#' || strspn(text + 1, "0123456789abcdef") != 6 ||
+        sscanf(text + 1, "%2x%2x%2x", &r, &g, &b) != 3)
+        return bad_member("color", "a colour #rrggbb", error);
+    brush->color = (iso_rgb){(uint8_t)r, (uint8_t)g, (uint8_t)b};
+    return ISO_OK;
+}
+
 static iso_status read_brush(const json_t *object, iso_brush *brush, iso_error *error) {
     if (!json_is_object(object)) return bad_member("brush", "an object", error);
     json_int_t symmetry = 0;
@@ -279,7 +299,8 @@ static iso_status read_brush(const json_t *object, iso_brush *brush, iso_error *
     brush->symmetry = (unsigned)symmetry;
     ISO_TRY(get_vector(object, "mirror", &brush->mirror, error));
     ISO_TRY(get_flag(object, "pressure_radius", &brush->pressure_radius, error));
-    return get_flag(object, "pressure_strength", &brush->pressure_strength, error);
+    ISO_TRY(get_flag(object, "pressure_strength", &brush->pressure_strength, error));
+    return read_color(object, brush, error);
 }
 
 static iso_status read_sample(const json_t *object, iso_sample *sample, iso_error *error) {

@@ -14,24 +14,22 @@
 
 static const size_t DEFAULT_MEMORY = (size_t)1 << 30;
 
-/* Values of saved_cell.state beside ISO_CELL_OUTSIDE and ISO_CELL_INSIDE, which say what was saved: a brick,
- * the mask of a cell, or the mask of a cell without frozen voxels. */
-enum { BRICK = 0, MASK_BITS = 1, MASK_NONE = 2 };
+/* What is saved of a cell: its distances, or its item of a kind (1 + the kind). */
+enum { DISTANCES = 0, PARTS = 1 + ISO_ITEM_KINDS };
+/* A value of saved_cell.state beside ISO_CELL_OUTSIDE (there is no item) and ISO_CELL_INSIDE: a brick or an
+ * item. */
+enum { CONTENT = 0 };
 
-/* The values or the mask of a cell in a step. */
+/* A part of a cell in a step. */
 typedef struct saved_cell {
     uint32_t cell;
-    int32_t state;
+    int16_t part, state;
     size_t first, size; /* range of the step's packed bytes; in the open step `first` is the index of an
-                           unpacked brick or mask */
+                           unpacked brick or item */
 } saved_cell;
 
-/* Cost of restoring the mask of a cell; that of its values is 1. */
-static const double MASK_COST = 1.0 / 64;
-
-static bool is_mask(const saved_cell *cell) {
-    return cell->state >= MASK_BITS;
-}
+/* Cost of restoring parts of a cell; that of its distances is 1. */
+static const double COST[PARTS] = {1, 1.0 / 64, 1.0 / 2};
 
 /* A step: the content of its cells before the step or, while the step is undone, after it. */
 typedef struct step {
@@ -45,7 +43,8 @@ typedef struct step {
 
 struct iso_history {
     iso_hgrid *grid;
-    iso_mask *mask;
+    iso_field_items *items;
+    iso_change_log *paint_log;
     void (*before_write)(void *context, uint32_t cell);
     void *context;
     size_t memory, used; /* limit and present number of bytes of steps in memory */
@@ -57,12 +56,12 @@ struct iso_history {
     /* of the open step: */
     bool open, keep;
     char *name;
-    uint32_t *copy_of; /* by cell: 1 + the index of its values in `copies`, 0: not saved */
+    uint32_t *copy_of[PARTS]; /* by cell: 1 + the index of the part in `copies`, 0: not saved */
     saved_cell *copies;
     size_t copy_count, copy_room;
     iso_slabs raw;
-    iso_buffer raw_masks; /* iso_voxel_bits */
-    size_t raw_count, raw_mask_count;
+    iso_buffer raw_items; /* void *: items, shared */
+    size_t raw_count, raw_item_count;
 };
 
 static char *duplicate(const char *text) {
@@ -77,15 +76,20 @@ iso_status iso_history_create(iso_hgrid *grid, const iso_history_opts *opts, iso
     iso_history *history = iso_alloc_zero(1, sizeof *history);
     if (!history) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history");
     history->grid = grid;
-    history->mask = opts->mask;
+    history->items = opts->items;
+    history->paint_log = opts->paint_log;
     history->before_write = opts->before_write;
     history->context = opts->context;
     history->memory = opts->memory ? opts->memory : DEFAULT_MEMORY;
-    history->copy_of = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *history->copy_of);
+    bool whole = true;
+    for (int part = 0; part < PARTS; part++) {
+        history->copy_of[part] = iso_alloc_zero(iso_hgrid_cell_count(grid), sizeof *history->copy_of[part]);
+        whole &= history->copy_of[part] != NULL;
+    }
     if (opts->beside) history->beside = duplicate(opts->beside);
     iso_status room = iso_slabs_reserve(&history->raw, 1, NULL);
     iso_slabs_prefault(&history->raw);
-    if (!history->copy_of || (opts->beside && !history->beside) || room != ISO_OK) {
+    if (!whole || (opts->beside && !history->beside) || room != ISO_OK) {
         iso_history_destroy(history);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the undo history of %zu cells",
                         iso_hgrid_cell_count(grid));
@@ -102,8 +106,11 @@ static void free_step(iso_history *history, step *s) {
 }
 
 static void close_step(iso_history *history) {
-    for (size_t i = 0; i < history->copy_count; i++) history->copy_of[history->copies[i].cell] = 0;
-    history->copy_count = history->raw_count = history->raw_mask_count = 0;
+    for (size_t i = 0; i < history->copy_count; i++)
+        history->copy_of[history->copies[i].part][history->copies[i].cell] = 0;
+    for (size_t i = 0; i < history->raw_item_count; i++)
+        iso_item_release(((void **)history->raw_items.data)[i]);
+    history->copy_count = history->raw_count = history->raw_item_count = 0;
     history->open = history->keep = false;
     iso_free(history->name);
     history->name = NULL;
@@ -112,14 +119,15 @@ static void close_step(iso_history *history) {
 void iso_history_destroy(iso_history *history) {
     if (!history) return;
     for (size_t i = 0; i < history->count; i++) free_step(history, &history->steps[i]);
+    if (history->copies) close_step(history);
     if (history->file) fclose(history->file);
     iso_free(history->beside);
     iso_free(history->name);
     iso_free(history->steps);
     iso_free(history->copies);
-    iso_free(history->copy_of);
+    for (int part = 0; part < PARTS; part++) iso_free(history->copy_of[part]);
     iso_slabs_free(&history->raw);
-    iso_buffer_free(&history->raw_masks);
+    iso_buffer_free(&history->raw_items);
     iso_free(history);
 }
 
@@ -157,6 +165,24 @@ static void spill_excess(iso_history *history) {
     }
 }
 
+/* Room for any part of a cell. */
+typedef union content {
+    float brick[ISO_BRICK_VOXELS];
+    iso_voxel_bits mask;
+    iso_paint_item item;
+} content;
+
+static iso_cell_items *items_of(const iso_history *history, const saved_cell *cell) {
+    return &history->items->of[cell->part - 1];
+}
+
+/* Restores a part with the state CONTENT from the packed bytes of its step. False: they are damaged. */
+static bool unpack(const iso_history *history, const saved_cell *cell, const uint8_t *bytes, void *to) {
+    if (cell->part == DISTANCES)
+        return iso_cell_unpack(bytes + cell->first, cell->size, history->grid->band, to);
+    return iso_item_unpack(bytes + cell->first, cell->size, items_of(history, cell)->bytes, to);
+}
+
 /* Reads a spilled step back into memory. */
 static iso_status read_back(iso_history *history, step *s, iso_error *error) {
     if (s->bytes || !s->size) return ISO_OK;
@@ -169,10 +195,8 @@ static iso_status read_back(iso_history *history, step *s, iso_error *error) {
                         history->beside);
     }
     for (size_t i = 0; i < s->count; i++) {
-        float brick[ISO_BRICK_VOXELS];
         const saved_cell *c = &s->cells[i];
-        if (c->state != BRICK || iso_cell_unpack(bytes + c->first, c->size, history->grid->band, brick))
-            continue;
+        if (c->state != CONTENT || unpack(history, c, bytes, &(content){.item = {{0}}})) continue;
         iso_free(bytes);
         return iso_fail(error, ISO_ERR_IO, "step '%s' is damaged in the file beside '%s'", s->name,
                         history->beside);
@@ -184,28 +208,28 @@ static iso_status read_back(iso_history *history, step *s, iso_error *error) {
 
 /* ---- packing */
 
-/* Returns the values or mask bits of a cell: those of `copy`, which belongs to the open step, or the grid's
- * if `copy` is NULL. */
+/* Returns the values or the item of a cell: those of `copy`, which belongs to the open step, or the present
+ * ones if `copy` is NULL. */
 static const void *find_content(const iso_history *history, const saved_cell *cell, const saved_cell *copy) {
-    if (is_mask(cell) && !copy) return iso_mask_bits(history->mask, cell->cell);
-    if (is_mask(cell) && copy->state == MASK_NONE) return NULL;
-    if (is_mask(cell)) return (const iso_voxel_bits *)history->raw_masks.data + copy->first;
+    if (cell->part != DISTANCES && !copy) return items_of(history, cell)->cell[cell->cell];
+    if (cell->part != DISTANCES)
+        return copy->state == CONTENT ? ((void **)history->raw_items.data)[copy->first] : NULL;
     return copy ? iso_slabs_get(&history->raw, copy->first)
                 : iso_hgrid_brick(history->grid, history->grid->cell[cell->cell]);
 }
 
-/* Packs the values and masks of the cells of step `s`. They are read from `copies`, which preserve what the
- * cells held before the open step, or from the grid if `copies` is NULL. ISO_ERR_NOMEM. */
+/* Packs the parts of the cells of step `s`. They are read from `copies`, which preserve what the cells held
+ * before the open step, or from the grid if `copies` is NULL. ISO_ERR_NOMEM. */
 static iso_status pack_cells(const iso_history *history, step *s, const saved_cell *copies,
                              iso_error *error) {
     const float band = history->grid->band;
     size_t total = 0;
     for (size_t i = 0; i < s->count; i++) {
         saved_cell *c = &s->cells[i];
-        c->size = 0;
-        if (c->state == BRICK)
-            c->size = iso_cell_pack_size(find_content(history, c, copies ? &copies[i] : NULL), band);
-        if (c->state == MASK_BITS) c->size = sizeof(iso_voxel_bits);
+        const void *from = c->state == CONTENT ? find_content(history, c, copies ? &copies[i] : NULL) : NULL;
+        c->size = !from                  ? 0
+                  : c->part == DISTANCES ? iso_cell_pack_size(from, band)
+                                         : iso_item_pack_size(from, items_of(history, c)->bytes);
         c->first = total;
         total += c->size;
     }
@@ -216,55 +240,62 @@ static iso_status pack_cells(const iso_history *history, step *s, const saved_ce
     for (size_t i = 0; i < s->count; i++) {
         const saved_cell *c = &s->cells[i];
         if (!c->size) continue;
-        const void *content = find_content(history, c, copies ? &copies[i] : NULL);
-        if (c->state == BRICK)
-            iso_cell_pack(content, band, s->bytes + c->first);
+        const void *from = find_content(history, c, copies ? &copies[i] : NULL);
+        if (c->part == DISTANCES)
+            iso_cell_pack(from, band, s->bytes + c->first);
         else
-            memcpy(s->bytes + c->first, content, c->size);
+            iso_item_pack(from, items_of(history, c)->bytes, s->bytes + c->first);
     }
     return ISO_OK;
 }
 
-/* Allocates the mask bits of the cells that will have some, so that restore_mask cannot fail. */
-static iso_status reserve_masks(iso_history *history, const saved_cell *cells, size_t count,
+/* Allocates the items that will be restored, so that restore_item cannot fail. */
+static iso_status reserve_items(iso_history *history, const saved_cell *cells, size_t count,
                                 iso_error *error) {
     for (size_t i = 0; i < count; i++)
-        if (cells[i].state == MASK_BITS) ISO_TRY(iso_mask_reserve(history->mask, cells[i].cell, error));
+        if (cells[i].part != DISTANCES && cells[i].state == CONTENT)
+            ISO_TRY(iso_cell_items_reserve(items_of(history, &cells[i]), cells[i].cell, error));
     return ISO_OK;
 }
 
-/* Frees the mask bits that reserve_masks allocated, if they were not written. */
-static void release_masks(iso_history *history, const saved_cell *cells, size_t count) {
-    for (size_t i = 0; i < count; i++)
-        if (is_mask(&cells[i]))
-            iso_mask_set(history->mask, cells[i].cell, iso_mask_bits(history->mask, cells[i].cell), NULL);
+/* Frees the items that reserve_items allocated, if they were not written. */
+static void release_items(iso_history *history, const saved_cell *cells, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        if (cells[i].part == DISTANCES) continue;
+        iso_cell_items *items = items_of(history, &cells[i]);
+        iso_cell_items_set(items, cells[i].cell, items->cell[cells[i].cell], NULL);
+    }
 }
 
-/* Does the part of restoring cells that can fail: adds them to the change log and allocates bricks. */
+/* Does the part of restoring cells that can fail: adds them to the change logs and allocates bricks. */
 static iso_status prepare_restore(iso_history *history, const saved_cell *cells, size_t count,
                                   iso_error *error) {
     iso_change_log_begin(history->grid->log);
+    if (history->paint_log) iso_change_log_begin(history->paint_log);
     for (size_t i = 0; i < count; i++) {
         int at[3], lo[3], hi[3];
         float *brick;
-        if (is_mask(&cells[i])) continue;
+        const bool paint = cells[i].part == 1 + ISO_ITEM_PAINT;
+        if (cells[i].part != DISTANCES && !(paint && history->paint_log)) continue;
         iso_hgrid_cell_position(history->grid, cells[i].cell, at);
         for (int axis = 0; axis < 3; axis++) {
             lo[axis] = ISO_BRICK * at[axis];
             hi[axis] = lo[axis] + ISO_BRICK - 1;
         }
-        ISO_TRY(iso_change_log_add(history->grid->log, lo, hi, error));
-        if (cells[i].state == BRICK)
+        ISO_TRY(iso_change_log_add(paint ? history->paint_log : history->grid->log, lo, hi, error));
+        if (!paint && cells[i].state == CONTENT)
             ISO_TRY(iso_hgrid_split(history->grid, at[0], at[1], at[2], &brick, error));
     }
     return ISO_OK;
 }
 
-static void restore_mask(iso_history *history, const saved_cell *cell, const void *content) {
-    iso_voxel_bits bits;
-    if (cell->state == MASK_BITS) memcpy(&bits, content, sizeof bits);
-    iso_mask_set(history->mask, cell->cell, cell->state == MASK_BITS ? &bits : NULL,
-                 NULL); /* cannot fail: reserve_masks has allocated the bits */
+/* Cannot fail: reserve_items has allocated the item. */
+static void restore_item(iso_history *history, const saved_cell *cell, const uint8_t *bytes) {
+    content room;
+    const bool any = cell->state == CONTENT;
+    if (any && bytes) unpack(history, cell, bytes, &room);
+    const void *item = bytes ? &room : find_content(history, cell, cell);
+    iso_cell_items_set(items_of(history, cell), cell->cell, any ? item : NULL, NULL);
 }
 
 static void restore_empty_cell(iso_history *history, const saved_cell *cell) {
@@ -277,26 +308,26 @@ static void restore_empty_cell(iso_history *history, const saved_cell *cell) {
 static iso_status restore_cells(iso_history *history, const saved_cell *cells, size_t count,
                                 const uint8_t *bytes, iso_error *error) {
     for (size_t i = 0; history->before_write && i < count; i++)
-        if (!is_mask(&cells[i])) history->before_write(history->context, cells[i].cell);
-    iso_status status = reserve_masks(history, cells, count, error);
+        if (cells[i].part == DISTANCES) history->before_write(history->context, cells[i].cell);
+    iso_status status = reserve_items(history, cells, count, error);
     if (status == ISO_OK) status = prepare_restore(history, cells, count, error);
     if (status != ISO_OK) {
-        release_masks(history, cells, count);
+        release_items(history, cells, count);
         return status;
     }
     for (size_t i = 0; i < count; i++) {
         const saved_cell *c = &cells[i];
-        if (is_mask(c)) {
-            restore_mask(history, c, bytes ? (const void *)(bytes + c->first) : find_content(history, c, c));
+        if (c->part != DISTANCES) {
+            restore_item(history, c, bytes);
             continue;
         }
-        if (c->state != BRICK) {
+        if (c->state != CONTENT) {
             restore_empty_cell(history, c);
             continue;
         }
         float *values = iso_hgrid_brick(history->grid, history->grid->cell[c->cell]);
         if (bytes)
-            iso_cell_unpack(bytes + c->first, c->size, history->grid->band, values);
+            unpack(history, c, bytes, values);
         else
             memcpy(values, find_content(history, c, c), ISO_BRICK_VOXELS * sizeof(float));
     }
@@ -339,42 +370,57 @@ static iso_status keep_cell(void *context, uint32_t cell, int32_t state, const f
                             iso_error *error) {
     iso_history *history = context;
     const size_t size = ISO_BRICK_VOXELS * sizeof(float);
-    if (history->copy_of[cell]) return ISO_OK;
+    if (history->copy_of[DISTANCES][cell]) return ISO_OK;
     if (history->before_write) history->before_write(history->context, cell);
     ISO_TRY(make_copy_room(history, error));
     if (brick) ISO_TRY(iso_slabs_reserve(&history->raw, history->raw_count + 1, error));
     saved_cell *copy = &history->copies[history->copy_count++];
-    *copy = (saved_cell){.cell = cell, .state = brick ? BRICK : state, .first = history->raw_count};
+    *copy =
+        (saved_cell){.cell = cell, .state = brick ? CONTENT : (int16_t)state, .first = history->raw_count};
     if (brick) memcpy(iso_slabs_get(&history->raw, history->raw_count++), brick, size);
-    history->copy_of[cell] = (uint32_t)history->copy_count;
+    history->copy_of[DISTANCES][cell] = (uint32_t)history->copy_count;
     return ISO_OK;
 }
 
-/* iso_write_observer.mask_before: saves the mask of a cell in the open step. */
-static iso_status keep_mask(void *context, uint32_t cell, const iso_voxel_bits *bits, iso_error *error) {
+/* iso_write_observer.item_before: shares the item of a cell with the open step. */
+static iso_status keep_item(void *context, iso_item_kind kind, uint32_t cell, void *item, iso_error *error) {
     iso_history *history = context;
     ISO_TRY(make_copy_room(history, error));
-    if (bits) ISO_TRY(make_room(&history->raw_masks, history->raw_mask_count, sizeof *bits, error));
+    if (item) ISO_TRY(make_room(&history->raw_items, history->raw_item_count, sizeof item, error));
     saved_cell *copy = &history->copies[history->copy_count++];
-    *copy =
-        (saved_cell){.cell = cell, .state = bits ? MASK_BITS : MASK_NONE, .first = history->raw_mask_count};
-    if (bits) ((iso_voxel_bits *)history->raw_masks.data)[history->raw_mask_count++] = *bits;
+    *copy = (saved_cell){.cell = cell,
+                         .part = (int16_t)(1 + kind),
+                         .state = item ? CONTENT : ISO_CELL_OUTSIDE,
+                         .first = history->raw_item_count};
+    if (item) ((void **)history->raw_items.data)[history->raw_item_count++] = iso_item_share(item);
+    history->copy_of[copy->part][cell] = (uint32_t)history->copy_count;
     return ISO_OK;
 }
 
 /* iso_step_opts.original. */
 static const float *cell_before_step(void *context, uint32_t cell, int32_t *state) {
     const iso_history *history = context;
-    if (!history->copy_of[cell]) return NULL;
-    const saved_cell *copy = &history->copies[history->copy_of[cell] - 1];
-    if (copy->state == BRICK) return iso_slabs_get(&history->raw, copy->first);
+    if (!history->copy_of[DISTANCES][cell]) return NULL;
+    const saved_cell *copy = &history->copies[history->copy_of[DISTANCES][cell] - 1];
+    if (copy->state == CONTENT) return iso_slabs_get(&history->raw, copy->first);
     *state = copy->state;
     return NULL;
 }
 
+/* iso_step_opts.original_paint. */
+static const iso_paint_item *paint_before_step(void *context, uint32_t cell, bool *kept) {
+    const iso_history *history = context;
+    const uint32_t number = history->copy_of[1 + ISO_ITEM_PAINT][cell];
+    *kept = number > 0;
+    if (!number) return NULL;
+    const saved_cell *copy = &history->copies[number - 1];
+    return (const iso_paint_item *)find_content(history, copy, copy);
+}
+
 iso_step_opts iso_history_step_opts(iso_history *history) {
-    return (iso_step_opts){.observer = {keep_cell, history->mask ? keep_mask : NULL, history},
-                           .original = cell_before_step};
+    return (iso_step_opts){.observer = {keep_cell, history->items ? keep_item : NULL, history},
+                           .original = cell_before_step,
+                           .original_paint = paint_before_step};
 }
 
 static iso_status make_step_room(iso_history *history, iso_error *error) {
@@ -437,10 +483,11 @@ iso_status iso_history_cancel(iso_history *history, iso_error *error) {
     return ISO_OK;
 }
 
-static int32_t state_now(const iso_history *history, const saved_cell *cell) {
-    if (is_mask(cell)) return iso_mask_bits(history->mask, cell->cell) ? MASK_BITS : MASK_NONE;
+static int16_t state_now(const iso_history *history, const saved_cell *cell) {
+    if (cell->part != DISTANCES)
+        return items_of(history, cell)->cell[cell->cell] ? CONTENT : ISO_CELL_OUTSIDE;
     int32_t state = history->grid->cell[cell->cell];
-    return state >= 0 ? BRICK : state;
+    return state >= 0 ? CONTENT : (int16_t)state;
 }
 
 /* Exchanges the content of a step with that of the grid. */
@@ -449,7 +496,8 @@ static iso_status exchange(iso_history *history, step *s, iso_error *error) {
     step now = {.count = s->count, .cells = iso_alloc(s->count * sizeof *now.cells)};
     if (!now.cells) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for undoing %zu cells", s->count);
     for (size_t i = 0; i < s->count; i++)
-        now.cells[i] = (saved_cell){.cell = s->cells[i].cell, .state = state_now(history, &s->cells[i])};
+        now.cells[i] = (saved_cell){
+            .cell = s->cells[i].cell, .part = s->cells[i].part, .state = state_now(history, &s->cells[i])};
     iso_status status = pack_cells(history, &now, NULL, error);
     if (status == ISO_OK) status = restore_cells(history, s->cells, s->count, s->bytes, error);
     if (status != ISO_OK) {
@@ -490,9 +538,9 @@ static iso_status restore_copy(const step *s, iso_hgrid *copy, iso_error *error)
         const saved_cell *c = &s->cells[i];
         int at[3];
         float *brick;
-        if (is_mask(c)) continue;
+        if (c->part != DISTANCES) continue;
         iso_hgrid_cell_position(copy, c->cell, at);
-        if (c->state == BRICK) {
+        if (c->state == CONTENT) {
             ISO_TRY(iso_hgrid_split(copy, at[0], at[1], at[2], &brick, error));
             iso_cell_unpack(s->bytes + c->first, c->size, copy->band, brick);
         } else
@@ -532,7 +580,7 @@ size_t iso_history_position(const iso_history *history) {
 double iso_history_cost(const iso_history *history, size_t number) {
     const step *s = &history->steps[number];
     double cost = 0;
-    for (size_t i = 0; i < s->count; i++) cost += is_mask(&s->cells[i]) ? MASK_COST : 1;
+    for (size_t i = 0; i < s->count; i++) cost += COST[s->cells[i].part];
     return cost;
 }
 const char *iso_history_name(const iso_history *history, size_t number) {

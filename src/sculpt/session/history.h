@@ -1,7 +1,7 @@
 /* history: unlimited undo. Each step stores the previous content of the cells that it changed, packed without
- * loss (cell_pack.h), and their previous masks. Undo and redo restore them bit for bit and mark them in the
- * change log. Memory is limited: steps that do not fit are moved to a file, oldest first, and read back when
- * they are needed. For the thread that writes the grid only. */
+ * loss (cell_pack.h), and their items (cell_items.h): mask and paint. Undo and redo restore them bit for bit
+ * and mark them in the change log. Memory is limited: steps that do not fit are moved to a file, oldest
+ * first, and read back when they are needed. For the thread that writes the grid only. */
 #ifndef ISO_SCULPT_SESSION_HISTORY_H
 #define ISO_SCULPT_SESSION_HISTORY_H
 
@@ -15,8 +15,9 @@ extern "C" {
 typedef struct iso_history iso_history;
 
 typedef struct iso_history_opts {
-    iso_mask *mask; /* the mask of the field; borrowed; NULL: no step changes a mask */
-    size_t memory;  /* limit in bytes; 0 means 1 GiB */
+    iso_field_items *items;    /* of the field; borrowed; NULL: no step changes any */
+    iso_change_log *paint_log; /* restored paint is marked in it; borrowed; NULL: it is not */
+    size_t memory;             /* limit in bytes; 0 means 1 GiB */
     /* Called before a step, undo, redo or cancel writes a cell; NULL: not called. */
     void (*before_write)(void *context, uint32_t cell);
     void *context;
@@ -37,7 +38,7 @@ void iso_history_destroy(iso_history *history);
 iso_status iso_history_begin(iso_history *history, const char *name, iso_error *error);
 iso_step_opts iso_history_step_opts(iso_history *history); /* for iso_editor_begin_step */
 iso_status iso_history_end(iso_history *history, iso_error *error);
-/* Returns the number of cells and masks that the open step has changed so far. */
+/* Returns the number of cells, masks and painted cells that the open step has changed so far. */
 size_t iso_history_open_cells(const iso_history *history);
 /* Makes the open step one that can be undone even if it changes no cell. */
 void iso_history_keep(iso_history *history);

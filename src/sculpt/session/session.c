@@ -123,7 +123,7 @@ static iso_status start_checkpoint(iso_session *session, iso_error *error) {
                         session->checkpoints + 1);
     if (size < 0 || (size_t)size >= sizeof event->text) return ISO_OK;
     if (iso_session_snapshot(session, &session->checkpoint_source, NULL) != ISO_OK) return ISO_OK;
-    if (iso_checkpoint_start(event->text, session->checkpoint_source, iso_editor_mask(session->editor),
+    if (iso_checkpoint_start(event->text, session->checkpoint_source, iso_editor_items(session->editor),
                              &session->checkpoint, NULL) != ISO_OK)
         iso_session_release_snapshot(session, session->checkpoint_source);
     return ISO_OK;
@@ -201,7 +201,7 @@ static iso_status play_from_checkpoint(iso_session *session, const journal_conte
     replay_progress p = {.progress = progress, .count = found->events};
     if (from) {
         const checkpoint_line *line = (const checkpoint_line *)found->lines.data + from - 1;
-        ISO_TRY(iso_checkpoint_read(line->path, session->grid, iso_editor_mask(session->editor), error));
+        ISO_TRY(iso_checkpoint_read(line->path, session->grid, iso_editor_items(session->editor), error));
         p.from = line->after;
         session->partial = true;
     }
@@ -212,7 +212,7 @@ static iso_status play_from_checkpoint(iso_session *session, const journal_conte
 static iso_status reset_to(iso_session *session, const iso_hgrid *initial, iso_error *error) {
     if (session->drawing) ISO_TRY(iso_session_cancel(session, error));
     while (iso_history_position(session->history)) ISO_TRY(iso_history_undo(session->history, error));
-    iso_editor_mask_clear(session->editor);
+    iso_field_items_clear(iso_editor_items(session->editor));
     iso_stroke_log_free(&session->log);
     discard_versions(session);
     session->partial = false;
@@ -314,7 +314,8 @@ static iso_status set_up(iso_session *session, const iso_journal_start *start, c
                                 .beside = opts->journal};
     ISO_TRY(copy_journal_path(session, opts->journal, error));
     ISO_TRY(iso_editor_create(session->grid, &editor, &session->editor, error));
-    history.mask = iso_editor_mask(session->editor);
+    history.items = iso_editor_items(session->editor);
+    history.paint_log = iso_editor_paint_log(session->editor);
     ISO_TRY(iso_history_create(session->grid, &history, &session->history, error));
     iso_hgrid_reserve(session->grid, RESERVED_BRICKS);
     if (!opts->journal) return ISO_OK;
@@ -365,8 +366,11 @@ void iso_session_destroy(iso_session *session) {
 iso_hgrid *iso_session_grid(iso_session *session) {
     return session->grid;
 }
-const iso_mask *iso_session_mask(const iso_session *session) {
-    return iso_editor_mask(session->editor);
+const iso_field_items *iso_session_items(const iso_session *session) {
+    return iso_editor_items(session->editor);
+}
+const iso_change_log *iso_session_paint_log(const iso_session *session) {
+    return iso_editor_paint_log(session->editor);
 }
 iso_history *iso_session_history(iso_session *session) {
     return session->history;
@@ -448,22 +452,25 @@ static iso_status write_change(iso_session *session, const iso_step_opts *step, 
                                iso_error *error) {
     const iso_cell_change change = iso_versions_change(session->versions, index);
     const uint32_t cell = change.cell;
-    iso_mask *mask = iso_editor_mask(session->editor);
     iso_hgrid *grid = session->grid;
     void *context = step->observer.context;
-    if (change.mask) {
-        iso_voxel_bits bits;
-        ISO_TRY(step->observer.mask_before(context, cell, iso_mask_bits(mask, cell), error));
-        if (change.state == 0) iso_versions_change_values(session->versions, index, &bits);
-        return iso_mask_set(mask, cell, change.state == 0 ? &bits : NULL, error);
-    }
     int at[3], lo[3], hi[3];
-    float *brick = grid->cell[cell] >= 0 ? iso_hgrid_brick(grid, grid->cell[cell]) : NULL;
     iso_hgrid_cell_position(grid, cell, at);
     for (int axis = 0; axis < 3; axis++) {
         lo[axis] = ISO_BRICK * at[axis];
         hi[axis] = lo[axis] + ISO_BRICK - 1;
     }
+    if (change.kind != ISO_CHANGE_DISTANCES) {
+        iso_cell_items *items = &iso_editor_items(session->editor)->of[change.kind];
+        iso_paint_item item; /* the largest */
+        ISO_TRY(
+            step->observer.item_before(context, (iso_item_kind)change.kind, cell, items->cell[cell], error));
+        if (change.state == 0) iso_versions_change_values(session->versions, index, &item);
+        if (change.kind == ISO_ITEM_PAINT)
+            ISO_TRY(iso_change_log_add(iso_editor_paint_log(session->editor), lo, hi, error));
+        return iso_cell_items_set(items, cell, change.state == 0 ? &item : NULL, error);
+    }
+    float *brick = grid->cell[cell] >= 0 ? iso_hgrid_brick(grid, grid->cell[cell]) : NULL;
     ISO_TRY(step->observer.before(context, cell, grid->cell[cell], brick, error));
     ISO_TRY(iso_change_log_add(grid->log, lo, hi, error));
     if (change.state != 0) {
@@ -490,6 +497,7 @@ static iso_status write_list(iso_session *session, const char *name, iso_error *
     iso_status status = ISO_OK;
     iso_history_keep(session->history);
     iso_change_log_begin(session->grid->log);
+    iso_change_log_begin(iso_editor_paint_log(session->editor));
     for (size_t i = 0; status == ISO_OK && i < iso_versions_change_count(session->versions); i++)
         status = write_change(session, &step, i, error);
     if (status == ISO_OK) status = iso_history_end(session->history, error);
@@ -504,7 +512,7 @@ static iso_status write_list(iso_session *session, const char *name, iso_error *
 
 /* Writes the name of an undo step: the tool and, unless it is a sphere or capsule, the solid. */
 static void name_step(const iso_brush *brush, char *name, size_t size) {
-    const bool plain = brush->tool > ISO_TOOL_BLEND_CARVE || brush->shape == ISO_SOLID_SPHERE ||
+    const bool plain = !iso_tool_is_set_operation(brush->tool) || brush->shape == ISO_SOLID_SPHERE ||
                        brush->shape == ISO_SOLID_CAPSULE;
     snprintf(name, size, "%s%s%s", iso_tool_name(brush->tool), plain ? "" : " ",
              plain ? "" : iso_solid_name(brush->shape));

@@ -38,8 +38,11 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
 /* Closes the journal and waits for a checkpoint that is being written. NULL is allowed. */
 void iso_session_destroy(iso_session *session);
 
-iso_hgrid *iso_session_grid(iso_session *session);            /* borrowed; not to be written */
-const iso_mask *iso_session_mask(const iso_session *session); /* borrowed */
+iso_hgrid *iso_session_grid(iso_session *session);                    /* borrowed; not to be written */
+const iso_field_items *iso_session_items(const iso_session *session); /* borrowed: mask and paint */
+/* Which voxels have changed their colours; borrowed. A snapshot that replaces the whole field is not in it.
+ */
+const iso_change_log *iso_session_paint_log(const iso_session *session);
 iso_history *iso_session_history(iso_session *session);
 bool iso_session_has_mask(const iso_session *session);
 bool iso_session_masked(const iso_session *session, int x, int y, int z); /* a voxel inside the grid */

@@ -9,10 +9,19 @@
 #include "sculpt/session/history.h"
 #include "sculpt/session/pen.h"
 
-/* A cell or its mask: twice the cell's number, and 1 for the mask. */
+/* A part of a cell: its distances (0), or its item of a kind (1 + the kind). */
+enum { DISTANCES = 0, PARTS = 1 + ISO_ITEM_KINDS };
+/* A part of a cell: PARTS times the cell's number, and the part. */
 typedef uint32_t cell_key;
 
-/* The content of a cell, or of its mask, after a stroke or before all of them. */
+static uint32_t cell_of(cell_key key) {
+    return key / PARTS;
+}
+static int part_of(cell_key key) {
+    return (int)(key % PARTS);
+}
+
+/* The content of a part of a cell after a stroke or before all of them. */
 typedef struct version {
     cell_key key;
     int32_t state;   /* as in iso_cell_change */
@@ -101,9 +110,9 @@ static iso_status no_memory(iso_error *error) {
 static iso_status set_up(iso_versions *v, iso_pool *pool, iso_error *error) {
     const iso_editor_opts editor = {.pool = pool};
     ISO_TRY(iso_editor_create(v->grid, &editor, &v->editor, error));
-    const iso_history_opts history = {.mask = iso_editor_mask(v->editor)};
+    const iso_history_opts history = {.items = iso_editor_items(v->editor)};
     ISO_TRY(iso_history_create(v->grid, &history, &v->history, error));
-    v->keys = 2 * iso_hgrid_cell_count(v->grid);
+    v->keys = PARTS * iso_hgrid_cell_count(v->grid);
     v->first = iso_alloc_zero(v->keys, sizeof *v->first);
     v->held = iso_alloc_zero(v->keys, sizeof *v->held);
     v->before = iso_alloc_zero(v->keys, sizeof *v->before);
@@ -134,24 +143,31 @@ iso_status iso_versions_create(iso_hgrid *first, iso_pool *pool, iso_versions_ch
 
 /* ---- versions of cells */
 
+/* The items of the work grid that a key is one of; NULL: it is of distances. */
+static iso_cell_items *items_of(const iso_versions *v, cell_key key) {
+    return part_of(key) == DISTANCES ? NULL : &iso_editor_items(v->editor)->of[part_of(key) - 1];
+}
+
 /* Packs the content that a key has in the work grid. */
 static iso_status pack(iso_versions *v, cell_key key, uint64_t serial, version *out, iso_error *error) {
-    const iso_voxel_bits *bits = key & 1 ? iso_mask_bits(iso_editor_mask(v->editor), key / 2) : NULL;
-    const int32_t entry = v->grid->cell[key / 2];
-    const float *brick = !(key & 1) && entry >= 0 ? iso_hgrid_brick(v->grid, entry) : NULL;
+    const iso_cell_items *items = items_of(v, key);
+    const void *item = items ? items->cell[cell_of(key)] : NULL;
+    const int32_t entry = v->grid->cell[cell_of(key)];
+    const float *brick = !items && entry >= 0 ? iso_hgrid_brick(v->grid, entry) : NULL;
     *out = (version){.key = key, .serial = serial};
-    if (!bits && !brick) {
-        out->state = key & 1 ? ISO_CELL_OUTSIDE : entry;
+    if (!item && !brick) {
+        out->state = items ? ISO_CELL_OUTSIDE : entry;
         return ISO_OK;
     }
-    out->size = (uint32_t)(bits ? sizeof *bits : iso_cell_pack_size(brick, v->grid->band));
+    out->size =
+        (uint32_t)(item ? iso_item_pack_size(item, items->bytes) : iso_cell_pack_size(brick, v->grid->band));
     out->bytes = iso_alloc(out->size);
     if (!out->bytes) {
         out->size = 0;
         return no_memory(error);
     }
-    if (bits)
-        memcpy(out->bytes, bits, sizeof *bits);
+    if (item)
+        iso_item_pack(item, items->bytes, out->bytes);
     else
         iso_cell_pack(brick, v->grid->band, out->bytes);
     v->stats.bytes += out->size;
@@ -195,8 +211,9 @@ static void apply(iso_versions *v, const drawn *d, bool in_old, bool in_new) {
 }
 
 static void unpack(const iso_versions *v, const version *at, void *values) {
-    if (at->key & 1)
-        memcpy(values, at->bytes, at->size);
+    const iso_cell_items *items = items_of(v, at->key);
+    if (items)
+        iso_item_unpack(at->bytes, at->size, items->bytes, values);
     else
         iso_cell_unpack(at->bytes, at->size, v->grid->band, values);
 }
@@ -207,12 +224,12 @@ static iso_status restore(iso_versions *v, cell_key key, iso_error *error) {
     int where[3];
     float *brick;
     if (!at || v->held[key] == at->serial) return ISO_OK;
-    if (key & 1) {
-        iso_voxel_bits bits;
-        if (at->size) unpack(v, at, &bits);
-        ISO_TRY(iso_mask_set(iso_editor_mask(v->editor), key / 2, at->size ? &bits : NULL, error));
+    if (part_of(key) != DISTANCES) {
+        iso_paint_item item; /* the largest */
+        if (at->size) unpack(v, at, &item);
+        ISO_TRY(iso_cell_items_set(items_of(v, key), cell_of(key), at->size ? &item : NULL, error));
     } else {
-        iso_hgrid_cell_position(v->grid, key / 2, where);
+        iso_hgrid_cell_position(v->grid, cell_of(key), where);
         if (at->size) {
             ISO_TRY(iso_hgrid_split(v->grid, where[0], where[1], where[2], &brick, error));
             unpack(v, at, brick);
@@ -246,18 +263,25 @@ static iso_status note_cell(void *context, uint32_t cell, int32_t state, const f
                             iso_error *error) {
     iso_versions *v = context;
     const iso_step_opts step = iso_history_step_opts(v->history);
-    ISO_TRY(note_written(v, 2 * cell, error));
+    ISO_TRY(note_written(v, PARTS * cell, error));
     return step.observer.before(step.observer.context, cell, state, brick, error);
 }
 
-static iso_status note_mask(void *context, uint32_t cell, const iso_voxel_bits *bits, iso_error *error) {
-    (void)bits;
-    return note_written(context, 2 * cell + 1, error);
+static iso_status note_item(void *context, iso_item_kind kind, uint32_t cell, void *item, iso_error *error) {
+    iso_versions *v = context;
+    const iso_step_opts step = iso_history_step_opts(v->history);
+    ISO_TRY(note_written(v, PARTS * cell + 1 + (cell_key)kind, error));
+    return step.observer.item_before(step.observer.context, kind, cell, item, error);
 }
 
 static const float *original(void *context, uint32_t cell, int32_t *state) {
     iso_versions *v = context;
     return iso_history_step_opts(v->history).original(v->history, cell, state);
+}
+
+static const iso_paint_item *original_paint(void *context, uint32_t cell, bool *kept) {
+    iso_versions *v = context;
+    return iso_history_step_opts(v->history).original_paint(v->history, cell, kept);
 }
 
 static bool contains(const iso_cell_box *outer, const iso_cell_box *inner) {
@@ -316,17 +340,20 @@ static iso_status restore_ranges(iso_versions *v, bool whole_mask, iso_error *er
             for (int y = ranges[i].lo[1]; y <= ranges[i].hi[1]; y++) {
                 const size_t row = iso_hgrid_cell_index(v->grid, 0, y, z);
                 for (int x = ranges[i].lo[0]; x <= ranges[i].hi[0]; x++)
-                    for (cell_key half = 0; half < 2; half++)
-                        ISO_TRY(restore(v, (cell_key)(2 * (row + (size_t)x)) + half, error));
+                    for (cell_key part = 0; part < PARTS; part++)
+                        ISO_TRY(restore(v, (cell_key)(PARTS * (row + (size_t)x)) + part, error));
             }
-    for (cell_key key = 1; whole_mask && key < v->keys; key += 2) ISO_TRY(restore(v, key, error));
+    for (cell_key key = 1 + ISO_ITEM_MASK; whole_mask && key < v->keys; key += PARTS)
+        ISO_TRY(restore(v, key, error));
     return ISO_OK;
 }
 
 /* Draws the stroke on the work grid, which is at its place. */
 static iso_status draw_touches(iso_versions *v, const iso_stroke *stroke, iso_error *error) {
-    iso_step_opts step = {
-        .observer = {note_cell, note_mask, v}, .original = original, .stamp = stroke->stamp};
+    iso_step_opts step = {.observer = {note_cell, note_item, v},
+                          .original = original,
+                          .original_paint = original_paint,
+                          .stamp = stroke->stamp};
     v->written_count = 0;
     ISO_TRY(iso_history_begin(v->history, "", error));
     iso_editor_begin_step(v->editor, &step);
@@ -379,8 +406,8 @@ static bool reads_dirty(const iso_versions *v, const drawn *d) {
     const bool whole_mask = iso_tool_is_whole_mask(d->brush.tool);
     for (size_t i = 0; i < v->dirty_count; i++) {
         iso_cell_box cell;
-        if (whole_mask && v->dirty[i] & 1) return true;
-        iso_hgrid_cell_position(v->grid, v->dirty[i] / 2, cell.lo);
+        if (whole_mask && part_of(v->dirty[i]) == 1 + ISO_ITEM_MASK) return true;
+        iso_hgrid_cell_position(v->grid, cell_of(v->dirty[i]), cell.lo);
         memcpy(cell.hi, cell.lo, sizeof cell.hi);
         if (!contains(&d->ranges[0], &cell)) continue;
         for (size_t k = 1; k < d->range_count; k++)
@@ -531,7 +558,7 @@ static const version *changed_to(const iso_versions *v, size_t index) {
 
 iso_cell_change iso_versions_change(const iso_versions *v, size_t index) {
     const version *at = changed_to(v, index);
-    return (iso_cell_change){.cell = at->key / 2, .mask = at->key & 1, .state = at->state};
+    return (iso_cell_change){.cell = cell_of(at->key), .kind = part_of(at->key) - 1, .state = at->state};
 }
 
 void iso_versions_change_values(const iso_versions *v, size_t index, void *values) {
@@ -579,8 +606,8 @@ unsigned iso_versions_find(const iso_versions *v, const double at[3]) {
             voxel[axis] = (int)down + (k >> axis & 1);
             c.weight[k] *= k >> axis & 1 ? part : 1 - part;
         }
-        c.key[k] = (cell_key)(2 * iso_hgrid_cell_index(v->grid, voxel[0] / ISO_BRICK, voxel[1] / ISO_BRICK,
-                                                       voxel[2] / ISO_BRICK));
+        c.key[k] = (cell_key)(PARTS * iso_hgrid_cell_index(v->grid, voxel[0] / ISO_BRICK,
+                                                           voxel[1] / ISO_BRICK, voxel[2] / ISO_BRICK));
         c.voxel[k] =
             (voxel[2] % ISO_BRICK * ISO_BRICK + voxel[1] % ISO_BRICK) * ISO_BRICK + voxel[0] % ISO_BRICK;
         if (v->first[c.key[k]]) take_values(v, v->first[c.key[k]], &c); /* (else no stroke wrote the cell) */

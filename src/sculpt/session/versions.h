@@ -13,7 +13,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "grids/hgrid.h"
-#include "sculpt/field/mask.h"
+#include "sculpt/field/cell_items.h"
 #include "sculpt/session/stroke_list.h"
 
 typedef struct iso_versions iso_versions;
@@ -38,16 +38,17 @@ iso_status iso_versions_update(iso_versions *versions, const iso_stroke_list *li
                                const iso_progress *progress, iso_error *error);
 
 /* The cells in which the result of the last update differs from that of the update before it: each has a new
- * brick or entry, or new bits of the mask. `state` of the field: 0 (a brick), ISO_CELL_OUTSIDE or
- * ISO_CELL_INSIDE; of the mask: 0 (bits), or ISO_CELL_OUTSIDE for a cell without frozen voxels. */
+ * brick or entry, or a new item. `state` of the field: 0 (a brick), ISO_CELL_OUTSIDE or ISO_CELL_INSIDE; of
+ * items: 0 (an item), or ISO_CELL_OUTSIDE for a cell without one. */
+enum { ISO_CHANGE_DISTANCES = -1 };
 typedef struct iso_cell_change {
     uint32_t cell;
-    bool mask;
+    int kind; /* iso_item_kind, or ISO_CHANGE_DISTANCES */
     int32_t state;
 } iso_cell_change;
 size_t iso_versions_change_count(const iso_versions *versions);
 iso_cell_change iso_versions_change(const iso_versions *versions, size_t index);
-/* Writes the values of a change with state 0: a brick, or iso_voxel_bits. */
+/* Writes the values of a change with state 0: a brick, or an item. */
 void iso_versions_change_values(const iso_versions *versions, size_t index, void *values);
 
 /* Returns the number of the last stroke of the list that moved the surface near a place, given in voxels:

@@ -12,10 +12,12 @@
 
 enum { SIDE = 64 };
 
-/* iso_write_observer.mask_before of a step that takes memory for each cell, as the undo history does. */
-static iso_status keep(void *context, uint32_t cell, const iso_voxel_bits *bits, iso_error *error) {
-    void *copy = iso_alloc(sizeof *bits);
+/* iso_write_observer.item_before of a step that takes memory for each cell, as the undo history does. */
+static iso_status keep(void *context, iso_item_kind kind, uint32_t cell, void *item, iso_error *error) {
+    void *copy = iso_alloc(sizeof(iso_voxel_bits));
     (void)context;
+    (void)kind;
+    (void)item;
     (void)cell;
     if (!copy) return iso_fail(error, ISO_ERR_NOMEM, "refused");
     iso_free(copy);
@@ -26,7 +28,7 @@ static iso_status keep(void *context, uint32_t cell, const iso_voxel_bits *bits,
 static size_t read_mask(iso_editor *editor, unsigned char frozen[SIDE * SIDE * SIDE]) {
     for (int i = 0; i < SIDE * SIDE * SIDE; i++)
         frozen[i] = iso_editor_masked(editor, i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE);
-    return iso_editor_mask(editor)->used;
+    return iso_editor_items(editor)->of[ISO_ITEM_MASK].used;
 }
 
 /* Touches with less memory than it takes until it is enough; returns how often it was not. */
@@ -40,7 +42,7 @@ static int touch_with_less_memory(iso_editor *editor, iso_tool tool) {
     iso_status status = ISO_ERR_NOMEM;
     int refused = 0;
     for (long calls = 0; status != ISO_OK; calls++) {
-        iso_editor_begin_step(editor, &(iso_step_opts){.observer = {.mask_before = keep}});
+        iso_editor_begin_step(editor, &(iso_step_opts){.observer = {.item_before = keep}});
         test_refuse_memory_after(calls);
         status = iso_editor_touch(editor, &brush, &touch, NULL, NULL);
         test_grant_memory();

@@ -159,7 +159,7 @@ static void masks_go(void **state) {
     const float was = iso_hgrid_at(grid, 51, 31, 31);
     sculpt_touch(editor, &inflate, FROZEN, UP);
     assert_true(iso_editor_masked(editor, 51, 31, 31) && iso_hgrid_at(grid, 51, 31, 31) == was);
-    iso_editor_mask_clear(editor);
+    iso_field_items_clear(iso_editor_items(editor));
     assert_false(iso_editor_masked(editor, 51, 31, 31));
     sculpt_touch(editor, &inflate, FROZEN, UP);
     assert_true(iso_hgrid_at(grid, 51, 31, 31) != was);

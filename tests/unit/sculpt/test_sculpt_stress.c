@@ -32,7 +32,7 @@ typedef struct stress {
 
 static uint32_t checksum(iso_session *session) {
     const iso_hgrid *grid = iso_session_grid(session);
-    const iso_mask *mask = iso_session_mask(session);
+    const iso_mask *mask = &iso_session_items(session)->of[ISO_ITEM_MASK];
     uint32_t crc = 0;
     for (size_t i = 0; i < mask->cells; i++) {
         const int32_t state = grid->cell[i] < 0 ? grid->cell[i] : 0;
@@ -53,7 +53,7 @@ static void read_field(const iso_hgrid *grid, float *values) {
 static bool is_masked(const stress *s, int i) {
     const int x = i % SIDE, y = i / SIDE % SIDE, z = i / SIDE / SIDE;
     size_t cell = iso_hgrid_cell_index(iso_session_grid(s->session), x / 16, y / 16, z / 16);
-    const iso_voxel_bits *bits = iso_mask_bits(iso_session_mask(s->session), cell);
+    const iso_voxel_bits *bits = iso_mask_bits(&iso_session_items(s->session)->of[ISO_ITEM_MASK], cell);
     return bits && bits->row[z % 16 * 16 + y % 16] >> (x % 16) & 1;
 }
 

@@ -597,16 +597,21 @@ static void snapshots_round_trip(void **state) {
     const char *path = session_path("round.snapshot"), *bad = session_path("bad.snapshot");
     iso_session_opts opts = {0};
     iso_session *session = session_open(&opts);
+    const iso_brush paint = {.tool = ISO_TOOL_PAINT, .radius = 4, .has_color = true, .color = {9, 80, 200}};
+    const iso_sample sample = {.position = {0, 0, 10}, .normal = {0, 0, 1}, .pressure = 1};
     play_tools(session, ISO_TOOL_CLEAR_MASK, 40, 12); /* leaves a mask */
+    assert_int_equal(iso_session_begin(session, &paint, &sample, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_session_end(session, NULL), ISO_OK);
     iso_hgrid *grid = iso_session_grid(session), *other;
-    const iso_mask *wanted = iso_session_mask(session);
-    iso_mask mask = {0};
-    assert_true(wanted->used > 0);
-    assert_int_equal(iso_mask_init(&mask, wanted->cells, NULL), ISO_OK);
+    const iso_field_items *wanted = iso_session_items(session);
+    iso_field_items items;
+    assert_true(wanted->of[ISO_ITEM_MASK].used > 0);
+    assert_true(wanted->of[ISO_ITEM_PAINT].used > 0);
+    assert_int_equal(iso_field_items_init(&items, wanted->of[0].cells, NULL), ISO_OK);
     assert_int_equal(iso_checkpoint_write(path, grid, wanted, NULL), ISO_OK);
     assert_int_equal(iso_session_ball(&SESSION_START, &other, NULL), ISO_OK);
-    assert_int_equal(iso_checkpoint_read(path, other, &mask, NULL), ISO_OK);
-    assert_true(sculpt_same(grid, other) && session_same_mask(&mask, wanted));
+    assert_int_equal(iso_checkpoint_read(path, other, &items, NULL), ISO_OK);
+    assert_true(sculpt_same(grid, other) && session_same_items(&items, wanted));
     size_t size;
     char *bytes = slurp(path, &size);
     iso_hgrid *before = sculpt_copy(other);
@@ -614,14 +619,14 @@ static void snapshots_round_trip(void **state) {
         bytes[at] = (char)(bytes[at] ^ 4);
         spill(bad, bytes, size);
         bytes[at] = (char)(bytes[at] ^ 4);
-        assert_int_equal(iso_checkpoint_read(bad, other, &mask, NULL), ISO_ERR_FORMAT);
+        assert_int_equal(iso_checkpoint_read(bad, other, &items, NULL), ISO_ERR_FORMAT);
         spill(bad, bytes, at);
-        assert_int_equal(iso_checkpoint_read(bad, other, &mask, NULL), ISO_ERR_FORMAT);
+        assert_int_equal(iso_checkpoint_read(bad, other, &items, NULL), ISO_ERR_FORMAT);
     }
-    assert_true(sculpt_same(before, other) && session_same_mask(&mask, wanted));
-    assert_int_equal(iso_checkpoint_read("/no/such.snapshot", other, &mask, NULL), ISO_ERR_IO);
+    assert_true(sculpt_same(before, other) && session_same_items(&items, wanted));
+    assert_int_equal(iso_checkpoint_read("/no/such.snapshot", other, &items, NULL), ISO_ERR_IO);
     free(bytes);
-    iso_mask_free(&mask);
+    iso_field_items_free(&items);
     iso_hgrid_destroy(before);
     iso_hgrid_destroy(other);
     iso_session_destroy(session);
