@@ -101,8 +101,8 @@ stop
 # ---- distances from a mesh, and from an isovalue, are opened as isorender draws them
 "$bin/isorender" stent.nrrd --isovalue 1200 --mesh core.ply --no-image --quiet || fail "no mesh"
 for from in core.ply other.nrrd:900; do
-    sed "s/\"curvature\"/\"distance:$from\"/" figure.json >distance.json
-    "$bin/isorender" distance.json --output scene.png --quiet || fail "isorender draws no distances from $from"
+    "$bin/isorender" stent.nrrd --isovalue 700 --surface-color-by "distance:$from" --background 2E3238 --resolution 976x800 --samples 4 \
+        --output scene.png --save-scene distance.json --quiet || fail "isorender draws no distances from $from"
     window_program distance.json
     until_ "the scene's volume" title_is 'stent.nrrd'
     picture distance_opened
