@@ -12,6 +12,16 @@ rows = [bytes(min(255, 3 * min(x, 191 - x), most) for x in range(192)) for most 
 with open("in/box_192x192x192_uint8.raw", "wb") as file:
     for z in range(192):
         file.write(b"".join(rows[min(y, 191 - y, z, 191 - z)] for y in range(192)))
+import itertools, json, os # tiles, of which those in the middle are not in the file: they have the fill value, which is inside
+os.mkdir("in/tiles.zarr")
+depth = [min(i, 159 - i) for i in range(160)]
+for place in itertools.product(range(5), repeat=3):
+    if not all(1 <= i <= 3 for i in place):
+        z, y, x = ([depth[32 * i + k] for k in range(32)] for i in place)
+        with open("in/tiles.zarr/%d.%d.%d" % place, "wb") as file:
+            file.write(bytes(min(200, 7 * min(i, j, k)) for k in z for j in y for i in x))
+json.dump(dict(zarr_format=2, shape=[160] * 3, chunks=[32] * 3, dtype="|u1", compressor=None, fill_value=200, order="C", filters=None),
+          open("in/tiles.zarr/.zarray", "w"))
 P
 count=0 isovalue=500
 same() {
@@ -47,7 +57,9 @@ same $w --clip box:10,-7,4,48,33,32 --clip camera:14 --cap slice --azimuth 35 --
 isovalue=60
 same in/box_192x192x192_uint8.raw --clip 96,96,96:-1,-2,.5 --cap slice
 same in/box_192x192x192_uint8.raw --clip 'y<90' --clip 'x<50' --cap slice
-[ $count = 13 ]
+same in/tiles.zarr --clip 80,80,80:-1,-2,.5 --cap slice
+same in/tiles.zarr --clip 'y<80' --clip 'x<50' --cap red
+[ $count = 15 ]
 refuses 2 "slice cannot be drawn in chunks" isorender in/v.mha bad.png --slice y=2 --chunk-size 16
 refuses 2 "slice cannot be drawn in chunks" isorender in/v.mha --slice y=2 --part 1/2 -o bad.isokeys
 refuses 2 "color-bar cannot be combined with --part" isorender in/v.mha --clip 'y<2' --cap slice --color-bar --part 1/2 -o bad.isokeys
