@@ -144,6 +144,7 @@ static uint64_t voxel_bytes(const iso_chunk_walk *walk, const iso_grid_chunk *ch
 typedef struct chunk_action {
     iso_chunk_visitor *visit;
     void *context;
+    iso_chunk_chooser *wants; /* NULL: chunks that the surface crosses are visited */
 } chunk_action;
 
 static iso_status visit_grid(iso_chunk_walk *walk, size_t number, iso_grid_chunk *chunk, iso_rgrid *grid,
@@ -173,14 +174,34 @@ static iso_status read_and_visit(iso_chunk_walk *walk, size_t number, const chun
     return status;
 }
 
+/* The same of a chunk that is wanted: with all its voxels. */
+static iso_status read_wanted(iso_chunk_walk *walk, size_t number, const chunk_action *action,
+                              iso_error *error) {
+    const iso_chunk_source *source = walk->opts.source;
+    const iso_grid_chunk chunk = make_chunk(walk, number);
+    iso_rgrid *grid = NULL;
+    ISO_TRY(source->read(source->context, &chunk, walk->opts.pool, &grid, error));
+    walk->totals.bytes_read += voxel_bytes(walk, &chunk);
+    const iso_chunk_visit visit = {number, &chunk, grid};
+    const iso_status status = action->visit(action->context, &visit, error);
+    iso_rgrid_destroy(grid);
+    return status;
+}
+
+static bool is_wanted(const iso_chunk_walk *walk, const iso_grid_chunk *chunk, const chunk_action *action) {
+    iso_brick_range range;
+    const bool known = iso_block_ranges_of(walk->ranges, &chunk->box, &range);
+    return action->wants(action->context, chunk, known ? &range : NULL);
+}
+
 static iso_status visit_chunk(iso_chunk_walk *walk, size_t number, const chunk_action *action,
                               iso_error *error) {
     const iso_chunk_source *source = walk->opts.source;
     const iso_grid_chunk chunk = make_chunk(walk, number);
-    if (!must_read(walk, number, &chunk)) return ISO_OK;
+    if (!(action->wants ? is_wanted(walk, &chunk, action) : must_read(walk, number, &chunk))) return ISO_OK;
     if (!action->visit && walk->states[number] & CHUNK_ENTERED) return ISO_OK; /* its ranges are known */
     iso_status status;
-    do status = read_and_visit(walk, number, action, error);
+    do status = (action->wants ? read_wanted : read_and_visit)(walk, number, action, error);
     while (status == ISO_ERR_NOMEM && source->give_back && source->give_back(source->context));
     return status;
 }
@@ -342,11 +363,22 @@ void iso_chunk_walk_destroy(iso_chunk_walk *walk) {
     iso_free(walk);
 }
 
+static iso_status visit_share(iso_chunk_walk *walk, iso_chunk_share share, const chunk_action *action,
+                              iso_error *error) {
+    if (share.parts > 1) ISO_TRY(divide(walk, share.parts, error));
+    return visit_chosen(walk, (chunk_choice){share.parts > 1 ? share.part - 1 : -1, 0}, action, error);
+}
+
 iso_status iso_chunk_walk_visit(iso_chunk_walk *walk, iso_chunk_share share, iso_chunk_visitor *visit,
                                 void *context, iso_error *error) {
-    const chunk_action action = {visit, context};
-    if (share.parts > 1) ISO_TRY(divide(walk, share.parts, error));
-    return visit_chosen(walk, (chunk_choice){share.parts > 1 ? share.part - 1 : -1, 0}, &action, error);
+    const chunk_action action = {visit, context, NULL};
+    return visit_share(walk, share, &action, error);
+}
+
+iso_status iso_chunk_walk_visit_wanted(iso_chunk_walk *walk, iso_chunk_share share, iso_chunk_chooser *wants,
+                                       iso_chunk_visitor *visit, void *context, iso_error *error) {
+    const chunk_action action = {visit, context, wants};
+    return visit_share(walk, share, &action, error);
 }
 
 iso_status iso_chunk_walk_read_ranges(iso_chunk_walk *walk, iso_chunk_share share, iso_error *error) {

@@ -48,6 +48,12 @@ typedef iso_status iso_chunk_visitor(void *context, const iso_chunk_visit *visit
 iso_status iso_chunk_walk_visit(iso_chunk_walk *walk, iso_chunk_share share, iso_chunk_visitor *visit,
                                 void *context, iso_error *error);
 
+/* Calls `visit` in the same way for each chunk of the share that is wanted, whether the surface crosses it or
+ * not; the chunk then has no ranges. `wants` is given the range of its values if that is known, or NULL. */
+typedef bool iso_chunk_chooser(void *context, const iso_grid_chunk *chunk, const iso_brick_range *range);
+iso_status iso_chunk_walk_visit_wanted(iso_chunk_walk *walk, iso_chunk_share share, iso_chunk_chooser *wants,
+                                       iso_chunk_visitor *visit, void *context, iso_error *error);
+
 /* Reads the ranges of every `parts`th chunk whose blocks are not known, from chunk part - 1 on, so that
  * several processes read a volume together; they then exchange the walk's ranges. Errors of reading. */
 iso_status iso_chunk_walk_read_ranges(iso_chunk_walk *walk, iso_chunk_share share, iso_error *error);

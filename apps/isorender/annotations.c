@@ -131,6 +131,7 @@ iso_status isorender_annotations_check(const isorender_settings *settings, iso_e
     const char *option = settings->has_inset    ? "--inset"
                          : settings->note_count ? "--text, --arrow and --ruler"
                          : settings->legend     ? "--legend"
+                         : settings->color_bar  ? "--color-bar"
                                                 : NULL;
     if (option && settings->parts)
         return iso_fail(error, ISO_ERR_USAGE, "%s cannot be combined with --part", option);

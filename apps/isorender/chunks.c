@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "apps/isorender/chunks.h"
+#include "apps/isorender/cuts.h"
 #include "apps/isorender/labels.h"
 #include "apps/isorender/mpi_ranks.h"
 #include "base/file_identity.h"
@@ -14,6 +15,7 @@
 #include "io/key_file.h"
 #include "io/mesh/mesh_write.h"
 #include "scene/bounds.h"
+#include "scene/cap_chunks.h"
 #include "scene/keys_picture.h"
 
 /* ---- when */
@@ -48,6 +50,7 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
         {settings->object_options.count > 0, "--lines, --glyphs or --surface",
          "one surface is drawn at a time"},
         {settings->aov != NULL, "--aov", "a pixel's key is its colour"},
+        {settings->slice_count > 0, "--slice", "outlines need voxels beside those of a chunk"},
         {isorender_light_option(settings) != NULL, isorender_light_option(settings),
          "it needs depths and normals of the whole picture"},
         {exports(job) && (settings->parts || settings->ranks.mpi), "--points or --mesh",
@@ -118,9 +121,14 @@ iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
+/* The planes of key images (render/view/key_image.h). */
+static int plane_count(const isorender_job *job) {
+    return isorender_has_caps(job->settings) ? ISO_KEY_PLANES : 1;
+}
+
 uint64_t isorender_chunks_bytes(const isorender_job *job) {
     return job->chunks ? (uint64_t)job->settings->width * (uint64_t)job->settings->height *
-                             (uint64_t)job->samples * sizeof(uint64_t)
+                             (uint64_t)job->samples * (uint64_t)plane_count(job) * sizeof(uint64_t)
                        : 0;
 }
 
@@ -378,8 +386,13 @@ static iso_status draw_cells(isorender_job *job, const iso_view *view, iso_key_i
                              iso_error *error) {
     const iso_exact_key_picture picture = {view, job->surfaces[0].color, keys, job->pool,
                                            job->surfaces[0].scene.clip};
-    ISO_TRY(iso_key_image_allocate(view->width, view->height, keys, error));
-    return iso_exact_chunks_draw(job->chunks->walk, share_of(job->settings, true), &picture, error);
+    const iso_chunk_share share = share_of(job->settings, true);
+    ISO_TRY(iso_key_image_allocate(view->width, view->height * plane_count(job), keys, error));
+    ISO_TRY(iso_exact_chunks_draw(job->chunks->walk, share, &picture, error));
+    if (!isorender_has_caps(job->settings)) return ISO_OK;
+    iso_capped solids[ISORENDER_SURFACES];
+    const iso_cut_caps caps = isorender_caps(job, solids);
+    return iso_cap_chunks_draw(job->chunks->walk, share, &caps, view, keys, error);
 }
 
 static iso_status draw_points(isorender_job *job, const iso_view *view, iso_pullpush_base *base,
@@ -418,6 +431,7 @@ iso_status isorender_chunks_draw(isorender_job *job, const iso_picture_opts *opt
                             .image = &drawn};
     for (int k = 0; k < 3; k++) keys.dims[k] = job->surfaces[0].scene.grid.rgrid->dims[k];
     iso_status status = draw_keys(job, opts->camera, &keys.base, &drawn, error);
+    if (status == ISO_OK && isorender_has_caps(job->settings)) iso_key_image_join_caps(&drawn, job->pool);
     *covered = 1; /* (of ranks that have no picture) */
     if (status == ISO_OK && !job->settings->ranks.rank)
         status = iso_render_merged_keys(&keys, opts, image, covered, error);
@@ -488,6 +502,7 @@ static void describe_style(const isorender_job *job, iso_key_style *style) {
     style->scale_bar = settings->scale_bar != 0;
     style->unit = (int32_t)settings->unit;
     style->world_unit = (int32_t)isorender_unit(job);
+    style->caps = isorender_has_caps(settings);
     style->orientation_marker = settings->orientation_marker != 0;
     style->anatomical = job->loader.volume.info.anatomical != 0;
     memcpy(style->background, (const uint8_t[4]){background.r, background.g, background.b}, 4);

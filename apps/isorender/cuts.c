@@ -49,7 +49,6 @@ static iso_status check_caps(const isorender_settings *settings, iso_error *erro
     const char *unfit = settings->no_input && (shows || !labels) ? "no input"
                         : settings->object_options.has_cloud     ? "points"
                         : settings->ior > 0                      ? "--ior"
-                        : settings->parts                        ? "--part"
                                                                  : NULL;
     if (unfit && isorender_has_caps(settings))
         return iso_fail(error, ISO_ERR_USAGE, "%s cannot be combined with %s: it shows a volume",
@@ -193,10 +192,6 @@ static iso_status choose_window(isorender_job *job, iso_error *error) {
 static iso_status make_slices(isorender_job *job, const iso_camera *camera, double front, iso_error *error) {
     const isorender_settings *settings = job->settings;
     if (!isorender_has_caps(settings)) return ISO_OK;
-    if (job->chunks)
-        return iso_fail(
-            error, ISO_ERR_USAGE,
-            "--cap and --slice show a volume in memory: this one is drawn in chunks (--max-memory)");
     for (int i = 0; i < settings->slice_count; i++) {
         const iso_cut cut = isorender_cut_placed(job, &settings->slices[i]);
         const iso_clip_body body = iso_cut_solve(&cut, camera, front);

@@ -145,6 +145,8 @@ iso_status iso_draw_exact_keys(const iso_exact_key_picture *picture, const iso_e
     const iso_target target = {
         .view = picture->view, .gbuffer = &size, .pool = picture->pool, .clip = picture->clip};
     iso_exact_paint to = {.keys = picture->keys->keys};
+    if (picture->keys->height == ISO_KEY_PLANES * size.height)
+        to.depths = to.keys + (size_t)size.width * (size_t)size.height;
     exact_draw draw = {.frame.projection = iso_exact_projection_make(&target, exact)};
     return paint(&target, &to, picture->color, &draw, error);
 }

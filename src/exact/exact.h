@@ -73,9 +73,9 @@ iso_status iso_draw_exact(const iso_target *target, const iso_exact *exact, iso_
 
 /* A picture to draw into a key image; all pointers are borrowed for the call. */
 typedef struct iso_exact_key_picture {
-    const iso_view *view; /* of the key image's size */
+    const iso_view *view; /* of the size of the key image's planes */
     iso_rgb color;        /* of the surface */
-    iso_key_image *keys;
+    iso_key_image *keys;  /* of one plane, or of three for caps, which are then drawn beside it */
     iso_pool *pool;       /* NULL: the calling thread */
     const iso_clip *clip; /* what is cut away of the surface; NULL: nothing */
 } iso_exact_key_picture;

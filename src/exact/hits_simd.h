@@ -246,7 +246,7 @@ ISO_STEP static void paint_hits(const iso_exact_paint *paint, const iso_exact_hi
 ISO_STEP static void key_hits(const iso_exact_paint *paint, const iso_exact_hits *hits) {
     for (int i = 0; i < hits->count; i++)
         if (hits->depth[i] < INFINITY)
-            keep_key(paint->keys + hits->pixel[i], hits->place[hits->slot[i]], hits->word[i]);
+            keep_key(paint, hits->pixel[i], hits->place[hits->slot[i]], hits->word[i], hits->depth[i]);
 }
 
 /* ---- layers */

@@ -56,10 +56,19 @@ static void get_cell_voxel(const iso_exact_projection *projection, const iso_exa
                       scratch->octant->origin[axis] + local[axis];
 }
 
-/* Replaces a key if that of a crossing in the brick with this place is smaller. */
-static inline void keep_key(uint64_t *key, uint32_t place, int32_t rgba) {
-    const uint64_t made = (uint64_t)place << 32 | (uint32_t)rgba;
+static inline void keep_least(uint64_t *key, uint32_t place, uint32_t word) {
+    const uint64_t made = (uint64_t)place << 32 | word;
     if (made < *key) *key = made;
+}
+
+/* Replaces the keys of pixel `at` if those of a crossing in the brick with this place are smaller. */
+static inline void keep_key(const iso_exact_paint *paint, ptrdiff_t at, uint32_t place, int32_t rgba,
+                            float depth) {
+    uint32_t bits;
+    keep_least(paint->keys + at, place, (uint32_t)rgba);
+    if (!paint->depths) return;
+    memcpy(&bits, &depth, sizeof bits);
+    keep_least(paint->depths + at, place, bits);
 }
 
 /* Whether an octant's cells get outlines: they are large, and far enough from the eye for the directions of

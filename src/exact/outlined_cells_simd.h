@@ -103,10 +103,11 @@ ISO_INLINE void key_run(const iso_exact_projection *projection, const iso_exact_
                         iso_exact_pixel_run run, int first, uint64_t pixels) {
     const int width = projection->target->gbuffer->width, x = run.pixel & 0xffff, y = run.pixel >> 16;
     const int32_t *word = scratch->patch.word + ISO_LANES_MAX + first;
-    uint64_t *to = projection->paint->keys + (ptrdiff_t)y * width + x;
+    const float *depth = scratch->patch.depth + ISO_LANES_MAX + first;
+    const ptrdiff_t at = (ptrdiff_t)y * width + x;
     for (; pixels; pixels &= pixels - 1) {
         const int n = __builtin_ctzll(pixels);
-        keep_key(to + n, scratch->place, word[n]);
+        keep_key(projection->paint, at + n, scratch->place, word[n], depth[n]);
     }
 }
 

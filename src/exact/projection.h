@@ -18,6 +18,7 @@
 typedef struct iso_exact_paint {
     int32_t *pixels;    /* of the image, RGBA; NULL: `keys` is set instead */
     uint64_t *keys;     /* of a key image: place of the brick << 32 | RGBA */
+    uint64_t *depths;   /* place of the brick << 32 | bits of the depth; NULL: not kept */
     const float *u, *v; /* rays (u, v, 1): u by column (with ISO_LANES_MAX readable items more), v by row */
     float base[3];      /* the surface's colour, 0 .. 1 */
     int32_t empty;      /* RGBA of a pixel without a surface */

@@ -17,7 +17,7 @@
 static const char MAGIC[8] = {'I', 'S', 'O', 'K', 'E', 'Y', 'S', '\n'};
 
 enum {
-    VERSION = 4,
+    VERSION = 5,
     BUFFER_BYTES = 1 << 16,
     HEADER_MOST = 1 << 20, /* bytes */
     TEXT_NONE = -1,        /* the length of a text that is not there */
@@ -115,7 +115,7 @@ static void pass_surface(header *h, iso_key_surface *surface) {
 static void pass_style(header *h, iso_key_style *style) {
     int32_t *const flags[] = {&style->orthographic,       &style->transparent, &style->scale_bar,
                               &style->orientation_marker, &style->anatomical,  &style->unit,
-                              &style->world_unit};
+                              &style->world_unit,         &style->caps};
     pass_ints(h, &style->width, 1);
     pass_ints(h, &style->height, 1);
     pass_ints(h, &style->samples, 1);
@@ -254,10 +254,11 @@ static bool find_key_size(const iso_key_style *style, int size[2]) {
     const iso_view view = {.width = style->width * factor, .height = style->height * factor};
     size[0] = view.width;
     size[1] = view.height;
+    if (style->caps) size[1] *= ISO_KEY_PLANES;
     if (style->method == ISO_METHOD_EXACT) return true;
     if (style->method != ISO_METHOD_PULLPUSH_BOX && style->method != ISO_METHOD_PULLPUSH) return false;
     if (base->base < 0 || base->base >= base->top || base->top > ISO_PYRAMID_TOP || base->cull < 0 ||
-        base->cull > 1)
+        base->cull > 1 || style->caps)
         return false;
     const iso_pyramid_layout layout = iso_pyramid_layout_of(&view, base->base, base->top);
     const iso_pyramid_level level = iso_pyramid_level_of(&layout, base->base);
@@ -267,8 +268,8 @@ static bool find_key_size(const iso_key_style *style, int size[2]) {
 }
 
 static bool is_sound_style(const iso_key_style *style) {
-    const int32_t flags[] = {style->orthographic, style->transparent, style->scale_bar,
-                             style->orientation_marker, style->anatomical};
+    const int32_t flags[] = {style->orthographic,       style->transparent, style->scale_bar,
+                             style->orientation_marker, style->anatomical,  style->caps};
     const double *vectors[] = {&style->position.x, &style->focal_point.x, &style->view_up.x};
     bool sound = style->width >= 1 && style->height >= 1 && style->width <= ISO_IMAGE_MAX &&
                  style->height <= ISO_IMAGE_MAX && style->samples >= 1 &&
@@ -445,7 +446,10 @@ static iso_status merge_others(const part_files *files, part_list *list, iso_key
         iso_key_file_free(&file);
         ISO_TRY(status);
     }
-    return check_complete(list, merged, error);
+    ISO_TRY(check_complete(list, merged, error));
+    if (merged->style.caps) iso_key_image_join_caps(&merged->keys, files->pool);
+    merged->style.caps = 0;
+    return ISO_OK;
 }
 
 iso_status iso_key_files_merge(const char *const *paths, int count, uint64_t max_memory, iso_pool *pool,

@@ -1,7 +1,7 @@
 /* key_file: key images in files (.isokeys): the pictures of the parts of a surface, which are merged into
  * the picture of the whole.
  *
- * The bytes, little-endian: "ISOKEYS\n", the version (uint32: 3), the number of bytes of the header
+ * The bytes, little-endian: "ISOKEYS\n", the version (uint32: 5), the number of bytes of the header
  * (uint32), the header, the keys, and the CRC-32C of everything before (uint32). The keys are runs of
  * pixels from the top left, row by row: the number of empty pixels (uint32), the number of pixels with a
  * key after them (uint32), and their keys (uint64). */
@@ -39,7 +39,7 @@ typedef struct iso_key_file {
     iso_key_surface surface;
     iso_key_style style;
     char *texts[ISO_KEY_TEXTS]; /* owned; NULL: none. Equal in all parts, too */
-    iso_key_image keys;         /* owned; of the picture's size, or of the base's */
+    iso_key_image keys;         /* owned; of the picture's size, with caps in planes, or of the base's */
 } iso_key_file;
 
 void iso_key_file_free(iso_key_file *file);
@@ -53,8 +53,9 @@ iso_status iso_key_file_write(const char *path, const iso_key_file *file, iso_er
 iso_status iso_key_file_read(const char *path, uint64_t max_memory, iso_key_file *file, iso_error *error);
 
 /* Reads all parts of a picture, in any order, and merges them into `merged`, whose `part` is that of the
- * first file. ISO_ERR_FORMAT: a part is missing or there twice, or is a part of another surface or picture;
- * the message names the file. Other errors as iso_key_file_read. `pool` may be NULL. */
+ * first file, and whose caps have been joined (iso_key_image_join_caps). ISO_ERR_FORMAT: a part is missing or
+ * there twice, or is a part of another surface or picture; the message names the file. Other errors as
+ * iso_key_file_read. `pool` may be NULL. */
 iso_status iso_key_files_merge(const char *const *paths, int count, uint64_t max_memory, iso_pool *pool,
                                iso_key_file *merged, iso_error *error);
 

@@ -18,6 +18,8 @@ typedef struct iso_key_style {
     int32_t method;                                                               /* iso_method */
     int32_t orthographic, transparent, scale_bar, orientation_marker, anatomical; /* 0 or 1 */
     int32_t unit, world_unit;        /* of lengths: iso_length_style */
+    int32_t caps;                    /* 1: the keys have the planes of a surface with caps; 0 */
+    int32_t unused;                  /* 0: in place of padding, which would be compared */
     uint8_t background[4], color[4]; /* RGB and 0 */
 } iso_key_style;
 

@@ -2,12 +2,16 @@
  * precision, with a kernel for solids that one plane cuts. */
 #include "scene/caps.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
 #include "base/kernel_units.h"
 #include "base/memory.h"
 #include "grids/brick_index.h"
+#include "render/shading/phong_vectors.h"
+#include "render/shading/shading.h"
+#include "render/view/project.h"
 #include "scene/caps_kernel.h"
 
 enum { ROWS_PER_TASK = 4 };
@@ -19,8 +23,11 @@ static const double OUTLINE = 0.75;
 typedef struct solid {
     const iso_capped *input;
     iso_affine affine;
-    double last[3];  /* index of the last voxel */
-    double isovalue; /* stored */
+    iso_grid voxels;        /* of the volume, or of the part of it that is looked at */
+    int origin[3];          /* the index of their first one in the volume */
+    double last[3];         /* index of the volume's last voxel */
+    double low[3], high[3]; /* index coordinates between which there are caps */
+    double isovalue;        /* stored */
     bool level_set;
     bool same_clip;       /* as the solid before it */
     bool by_plane;        /* its clip is one plane */
@@ -30,33 +37,42 @@ typedef struct solid {
     double scale, offset; /* physical = stored * scale + offset */
 } solid;
 
-typedef struct caps_draw {
+typedef struct caps_draw caps_draw;
+typedef struct found found;
+
+struct caps_draw {
     const iso_cut_caps *caps;
     const iso_view *view;
     iso_gbuffer *gbuffer;
+    uint64_t *keys; /* the caps' plane of a key image; NULL: draws into the gbuffer */
+    bool in_front;  /* iso_caps_are_in_front */
+    iso_area area;  /* the samples that are drawn */
     iso_cap_kernel_fn *kernel;
     solid *solids;
     iso_cap_row *rows;           /* by worker and solid */
     bool others;                 /* some solids get caps that are not cut by one plane */
     iso_cap_painter_fn *painter; /* NULL: it cannot paint these caps */
     iso_cap_paint paint;         /* of the only solid */
-} caps_draw;
+    void (*write)(const caps_draw *draw, int x, int y, const found *f);
+};
 
 /* What a sample shows. */
-typedef struct found {
+struct found {
     double depth;
     const solid *solid;
+    int piece;       /* of the ray, which begins here */
     float normal[3]; /* view space; 0: not lit */
     uint32_t color;  /* as in the gbuffer, without the surface's number */
-} found;
+};
 
-/* The stored value at a place in index coordinates; NAN outside the volume, and beside a voxel that is not
- * finite. */
+/* The stored value at a place in index coordinates; NAN outside the volume, or the part that is looked at,
+ * and beside a voxel that is not finite. (The origin is subtracted without rounding.) */
 static double value_at_index(const solid *s, iso_vec3 place) {
     const double p[3] = {place.x, place.y, place.z};
     for (int axis = 0; axis < 3; axis++)
-        if (!(p[axis] >= -ISO_CAP_SLACK && p[axis] <= s->last[axis] + ISO_CAP_SLACK)) return NAN;
-    return iso_grid_sample(s->input->grid, place);
+        if (!(p[axis] >= s->low[axis] && p[axis] <= s->high[axis])) return NAN;
+    return iso_grid_sample(&s->voxels,
+                           iso_vec3_sub(place, iso_vec3_make(s->origin[0], s->origin[1], s->origin[2])));
 }
 
 /* The same at a point in the world. */
@@ -107,7 +123,7 @@ static iso_cap_row make_plane_row(const solid *s, const iso_view *view, int y) {
     const double side = body->keeps ? -1 : 1, *f = body->face[0];
     const iso_vec3 normal = {side * f[0], side * f[1], side * f[2]};
     iso_cap_row row = {.begin = 0, .end = view->width, .near = view->near};
-    if (s->last[0] >= 1 && s->last[1] >= 1 && s->last[2] >= 1) row.grid = s->input->grid->rgrid;
+    if (s->last[0] >= 1 && s->last[1] >= 1 && s->last[2] >= 1) row.grid = s->voxels.rgrid;
     double slope[2], depth[2], place[2][3];
     for (int x = 0; x < 2; x++) {
         iso_vec3 origin, direction;
@@ -122,10 +138,12 @@ static iso_cap_row make_plane_row(const solid *s, const iso_view *view, int y) {
     row.depth = between(depth[0], depth[1]);
     limit_columns(row.slope, &row);
     for (int axis = 0; axis < 3; axis++) {
-        const double last = row.last[axis] = s->last[axis];
+        const double low = row.low[axis] = s->low[axis], high = row.high[axis] = s->high[axis];
+        row.last[axis] = s->last[axis];
+        row.origin[axis] = s->origin[axis];
         row.place[axis] = between(place[0][axis], place[1][axis]);
-        limit_columns(row.place[axis], &row);
-        limit_columns(between(last * slope[0] - place[0][axis], last * slope[1] - place[1][axis]), &row);
+        limit_columns(between(place[0][axis] - low * slope[0], place[1][axis] - low * slope[1]), &row);
+        limit_columns(between(high * slope[0] - place[0][axis], high * slope[1] - place[1][axis]), &row);
     }
     return row;
 }
@@ -188,10 +206,10 @@ typedef struct plane_caps {
     const solid *solid[ISO_CAP_BLOCK]; /* NULL: there is none before what was drawn */
 } plane_caps;
 
-/* Nothing yet, before the depths of what was drawn. */
+/* Nothing yet, before the depths of what was drawn, if anything was. */
 static void begin_plane_caps(const float *drawn, int count, plane_caps *caps) {
     for (int i = 0; i < count; i++) {
-        caps->depth[i] = (double)drawn[i];
+        caps->depth[i] = drawn ? (double)drawn[i] : INFINITY;
         caps->solid[i] = NULL;
     }
 }
@@ -229,6 +247,7 @@ static void find_cap(const caps_draw *draw, iso_vec3 origin, iso_vec3 direction,
                 float normal[3];
                 store_normal(draw->view, iso_clip_normal(s->input->clip, &pieces[k], point), normal);
                 take_cap(draw, s, pieces[k].begin, normal, value, f);
+                f->piece = k;
             }
             break;
         }
@@ -263,7 +282,7 @@ static void find_slice(const caps_draw *draw, const iso_slice *slice, int x, int
     if (!meet_plane(draw->view, slice->plane, x + 0.5, y + 0.5, &t, &point) || !(t <= f->depth)) return;
     const double value = value_at(first, point);
     if (isnan(value)) return;
-    *f = (found){t, first, {0}, color_of(&draw->caps->look, first, value)};
+    *f = (found){.depth = t, .solid = first, .color = color_of(&draw->caps->look, first, value)};
     const double across =
         meet_plane(draw->view, slice->plane, x + 1.5, y + 0.5, &unused, &next) ? value_at(first, next) : NAN;
     const double down =
@@ -275,10 +294,24 @@ static void find_slice(const caps_draw *draw, const iso_slice *slice, int x, int
     }
 }
 
-/* ---- the gbuffer */
+/* ---- the gbuffer, or keys */
 
-static void write_sample(const caps_draw *draw, size_t at, const found *f) {
+static bool is_lit(const found *f) {
+    return f->normal[0] != 0 || f->normal[1] != 0 || f->normal[2] != 0;
+}
+
+static void keep_key(const caps_draw *draw, int x, int y, const found *f) {
+    const float to_eye[3] = {-iso_slope_of_column(draw->view, x), -iso_slope_of_row(draw->view, y), -1};
+    const iso_rgb color = {(uint8_t)f->color, (uint8_t)(f->color >> 8), (uint8_t)(f->color >> 16)};
+    const uint32_t rgba = is_lit(f) ? iso_shade_pixel(f->normal, to_eye, color) : f->color;
+    const uint64_t made = iso_key_of_cap(draw->in_front ? -INFINITY : f->depth, f->piece, rgba);
+    uint64_t *key = draw->keys + (size_t)y * (size_t)draw->view->width + (size_t)x;
+    if (made < *key) *key = made;
+}
+
+static void write_sample(const caps_draw *draw, int x, int y, const found *f) {
     iso_gbuffer *gbuffer = draw->gbuffer;
+    const size_t at = (size_t)y * (size_t)gbuffer->width + (size_t)x;
     gbuffer->depth[at] = (float)f->depth;
     for (int k = 0; k < 3; k++) gbuffer->normal[k][at] = f->normal[k];
     gbuffer->surface[at] = f->solid->input->surface;
@@ -304,13 +337,14 @@ static bool find_all_plane_caps(const caps_draw *draw, const iso_cap_row *rows, 
 
 /* Draws samples of a row as draw_samples does, in vectors, if there is one solid that one plane cuts and
  * nothing else. Returns how many are done, from the first one on. */
-static int paint_samples(const caps_draw *draw, const iso_cap_row *rows, int x, size_t at, int count) {
+static int paint_samples(const caps_draw *draw, const iso_cap_row *rows, int x, int y, int count) {
     const solid *s = &draw->solids[0];
     iso_cap_block block;
     if (!draw->painter) return 0;
     if (!may_be_inside(s, rows, x, count)) return count;
     fill_block(draw, s, rows, x, count, &block);
     const iso_gbuffer *g = draw->gbuffer;
+    const size_t at = (size_t)y * (size_t)g->width + (size_t)x;
     const iso_cap_samples samples = {g->depth + at,
                                      {g->normal[0] + at, g->normal[1] + at, g->normal[2] + at},
                                      g->color + at,
@@ -320,13 +354,13 @@ static int paint_samples(const caps_draw *draw, const iso_cap_row *rows, int x, 
 
 /* Draws `count` samples of a row (at most ISO_CAP_BLOCK) from column x on. */
 static void draw_samples(const caps_draw *draw, const iso_cap_row *rows, int x, int y, int count) {
-    const size_t at = (size_t)y * (size_t)draw->gbuffer->width + (size_t)x;
-    const float *drawn = draw->gbuffer->depth + at;
+    const float *drawn =
+        draw->keys ? NULL : draw->gbuffer->depth + (size_t)y * (size_t)draw->gbuffer->width + (size_t)x;
     plane_caps caps;
     const bool any = find_all_plane_caps(draw, rows, drawn, x, count, &caps),
                more = draw->others || draw->caps->slice_count;
     for (int i = 0; i < count && (any || more); i++) {
-        found f = {.depth = (double)drawn[i], .solid = NULL};
+        found f = {.depth = drawn ? (double)drawn[i] : INFINITY, .solid = NULL};
         if (any && caps.solid[i])
             take_cap(draw, caps.solid[i], caps.depth[i], caps.solid[i]->normal, caps.value[i], &f);
         if (draw->others) {
@@ -336,14 +370,14 @@ static void draw_samples(const caps_draw *draw, const iso_cap_row *rows, int x, 
         }
         for (int k = 0; k < draw->caps->slice_count; k++)
             find_slice(draw, &draw->caps->slices[k], x + i, y, &f);
-        if (f.solid) write_sample(draw, at + (size_t)i, &f);
+        if (f.solid) draw->write(draw, x + i, y, &f);
     }
 }
 
 /* The columns in which there can be a cap of a solid that one plane cuts. */
 static void limit_row(const caps_draw *draw, const iso_cap_row *rows, int *begin, int *end) {
-    *begin = draw->gbuffer->width;
-    *end = 0;
+    *begin = draw->area.columns.last + 1;
+    *end = draw->area.columns.first;
     for (int i = 0; i < draw->caps->count; i++) {
         if (!draw->solids[i].by_plane || rows[i].begin >= rows[i].end) continue;
         if (rows[i].begin < *begin) *begin = rows[i].begin;
@@ -354,18 +388,17 @@ static void limit_row(const caps_draw *draw, const iso_cap_row *rows, int *begin
 static void draw_rows(void *context, size_t index, int worker) {
     const caps_draw *draw = context;
     iso_cap_row *rows = draw->rows + (size_t)worker * (size_t)draw->caps->count;
-    const int first = (int)index * ROWS_PER_TASK;
-    for (int y = first; y < first + ROWS_PER_TASK && y < draw->gbuffer->height; y++) {
+    const int first = draw->area.rows.first + (int)index * ROWS_PER_TASK;
+    for (int y = first; y < first + ROWS_PER_TASK && y <= draw->area.rows.last; y++) {
         for (int i = 0; i < draw->caps->count; i++)
             if (draw->solids[i].by_plane)
                 rows[i] = draw->solids[i].same_plane ? rows[i - 1]
                                                      : make_plane_row(&draw->solids[i], draw->view, y);
-        int begin = 0, end = draw->gbuffer->width;
+        int begin = draw->area.columns.first, end = draw->area.columns.last + 1;
         if (!draw->others && !draw->caps->slice_count) limit_row(draw, rows, &begin, &end);
         for (int x = begin; x < end; x += ISO_CAP_BLOCK) {
             const int count = end - x < ISO_CAP_BLOCK ? end - x : ISO_CAP_BLOCK;
-            const size_t at = (size_t)y * (size_t)draw->gbuffer->width + (size_t)x;
-            const int done = paint_samples(draw, rows, x, at, count);
+            const int done = paint_samples(draw, rows, x, y, count);
             if (done < count) draw_samples(draw, rows, x + done, y, count - done);
         }
     }
@@ -383,7 +416,12 @@ static void prepare_solid(const caps_draw *draw, int i) {
     *s = (solid){.input = input, .level_set = iso_grid_is_level_set(input->grid)};
     s->affine = iso_transform_affine(iso_grid_transform(input->grid));
     s->isovalue = iso_grid_stored(input->grid, input->isovalue);
-    for (int axis = 0; axis < 3; axis++) s->last[axis] = iso_grid_dims(input->grid)[axis] - 1;
+    s->voxels = *input->grid;
+    for (int axis = 0; axis < 3; axis++) {
+        s->last[axis] = iso_grid_dims(input->grid)[axis] - 1;
+        s->low[axis] = -ISO_CAP_SLACK;
+        s->high[axis] = s->last[axis] + ISO_CAP_SLACK;
+    }
     s->shows = draw->caps->shows && !input->plain;
     s->offset = iso_grid_physical(input->grid, 0);
     s->scale = iso_grid_scale(input->grid);
@@ -394,6 +432,13 @@ static void prepare_solid(const caps_draw *draw, int i) {
     if (!s->by_plane) return;
     const iso_clip_piece piece = {0, INFINITY, 0, 0};
     store_normal(draw->view, iso_clip_normal(input->clip, &piece, input->clip->body[0].centre), s->normal);
+}
+
+static void keep_to_part(solid *s, const iso_cap_part *part) {
+    s->voxels = part->grid;
+    memcpy(s->origin, part->origin, sizeof s->origin);
+    memcpy(s->low, part->low, sizeof s->low);
+    memcpy(s->high, part->high, sizeof s->high);
 }
 
 /* Chooses the painter if there is one solid, which one plane cuts, and no map of colours. */
@@ -425,24 +470,52 @@ bool iso_caps_are_in_front(const iso_cut_caps *caps) {
     return planes;
 }
 
+/* Draws caps as `draw` says, in which all up to `area` and `write` are set. part: NULL: the whole volume is
+ * there. */
+static iso_status draw_caps(caps_draw *draw, const iso_cap_part *part, iso_pool *pool, iso_error *error) {
+    const iso_cut_caps *caps = draw->caps;
+    const size_t count = (size_t)caps->count, workers = (size_t)iso_pool_threads(pool);
+    draw->kernel = ISO_KERNEL_UNIT(iso_cap_kernel, iso_cpu_best());
+    draw->solids = iso_alloc(count * (sizeof *draw->solids + workers * sizeof *draw->rows));
+    if (!draw->solids) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for caps");
+    draw->rows = (iso_cap_row *)(draw->solids + count);
+    for (int i = 0; i < caps->count; i++) {
+        prepare_solid(draw, i);
+        if (part) keep_to_part(&draw->solids[i], part);
+        const iso_clip *clip = caps->solids[i].clip;
+        draw->others |= caps->caps && clip && clip->count && !draw->solids[i].by_plane;
+    }
+    if (draw->gbuffer) choose_painter(draw);
+    const iso_rows rows = draw->area.rows;
+    const size_t tasks = ((size_t)(rows.last - rows.first) + ROWS_PER_TASK) / ROWS_PER_TASK;
+    iso_parallel_for(pool, tasks, draw_rows, draw);
+    iso_free(draw->solids);
+    return ISO_OK;
+}
+
 iso_status iso_caps_draw(const iso_cut_caps *caps, const iso_view *view, iso_gbuffer *gbuffer, iso_pool *pool,
                          iso_error *error) {
     if (!caps->count) return ISO_OK;
     ISO_TRY(iso_gbuffer_add_color(gbuffer, error));
-    const size_t count = (size_t)caps->count, workers = (size_t)iso_pool_threads(pool);
-    caps_draw draw = {.caps = caps, .view = view, .gbuffer = gbuffer};
-    draw.kernel = ISO_KERNEL_UNIT(iso_cap_kernel, iso_cpu_best());
-    draw.solids = iso_alloc(count * (sizeof *draw.solids + workers * sizeof *draw.rows));
-    if (!draw.solids) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for caps");
-    draw.rows = (iso_cap_row *)(draw.solids + count);
-    for (int i = 0; i < caps->count; i++) {
-        prepare_solid(&draw, i);
-        const iso_clip *clip = caps->solids[i].clip;
-        draw.others |= caps->caps && clip && clip->count && !draw.solids[i].by_plane;
-    }
-    choose_painter(&draw);
-    const size_t tasks = ((size_t)gbuffer->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK;
-    iso_parallel_for(pool, tasks, draw_rows, &draw);
-    iso_free(draw.solids);
-    return ISO_OK;
+    caps_draw draw = {.caps = caps,
+                      .view = view,
+                      .gbuffer = gbuffer,
+                      .write = write_sample,
+                      .area = {.columns = {0, gbuffer->width - 1}, .rows = {0, gbuffer->height - 1}}};
+    return draw_caps(&draw, NULL, pool, error);
+}
+
+iso_status iso_caps_draw_keys(const iso_cut_caps *caps, const iso_cap_part *part, const iso_view *view,
+                              iso_key_image *keys, iso_pool *pool, iso_error *error) {
+    assert(caps->count == 1 && !caps->slice_count && keys->height == ISO_KEY_PLANES * view->height);
+    const iso_projector projector = iso_projector_make(view, iso_grid_transform(caps->solids[0].grid));
+    const iso_box box = {{part->low[0], part->low[1], part->low[2]},
+                         {part->high[0], part->high[1], part->high[2]}};
+    caps_draw draw = {.caps = caps,
+                      .view = view,
+                      .keys = keys->keys + 2 * (size_t)view->width * (size_t)view->height,
+                      .write = keep_key,
+                      .in_front = iso_caps_are_in_front(caps),
+                      .area = iso_projector_area(&projector, &box, 0)};
+    return iso_area_is_empty(&draw.area) ? ISO_OK : draw_caps(&draw, part, pool, error);
 }

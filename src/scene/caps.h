@@ -9,6 +9,7 @@
 #include "image/colormap.h"
 #include "render/view/clip.h"
 #include "render/view/gbuffer.h"
+#include "render/view/key_image.h"
 
 /* The colours of a volume's values in caps and slices, which are not lit. */
 typedef struct iso_slice_look {
@@ -54,5 +55,18 @@ bool iso_caps_are_in_front(const iso_cut_caps *caps);
  * last. The same bytes with every number of threads. `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_caps_draw(const iso_cut_caps *caps, const iso_view *view, iso_gbuffer *gbuffer, iso_pool *pool,
                          iso_error *error);
+
+/* Voxels of a part of a volume, and where caps are looked for in it. */
+typedef struct iso_cap_part {
+    iso_grid grid;          /* borrowed */
+    int origin[3];          /* the volume's index of its first voxel */
+    double low[3], high[3]; /* index coordinates of the volume; the grid has all cells between them */
+} iso_cap_part;
+
+/* Draws the caps of one solid that are in a part of its volume, of whose grid no voxels are read, into the
+ * caps' plane of a key image. When this was done for parts that cover the volume, in any order and into any
+ * number of key images, the picture is that of iso_caps_draw, byte for byte. No slices. ISO_ERR_NOMEM. */
+iso_status iso_caps_draw_keys(const iso_cut_caps *caps, const iso_cap_part *part, const iso_view *view,
+                              iso_key_image *keys, iso_pool *pool, iso_error *error);
 
 #endif

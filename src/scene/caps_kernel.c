@@ -91,15 +91,16 @@ ISO_INLINE void load_corners(const iso_rgrid *grid, iso_type type, const int32_t
     load_pairs(type, voxel, y + z, corner + 6);
 }
 
-/* The value at `place` of each lane, trilinear; NAN in the lanes that are not `within` the volume. */
+/* The value at `place` of each lane, trilinear; NAN in the lanes that are not `within` the bounds. */
 ISO_INLINE vd sample(const iso_cap_row *row, iso_type type, const vd place[3], vl within) {
     int32_t cell[3][LANES];
     vd part[3], c[8];
     for (int axis = 0; axis < 3; axis++) {
-        const vd in = (vd)((vl)place[axis] & within), most = set(row->last[axis] - 1);
+        const vd in = choose(within, place[axis], set(row->origin[axis])), most = set(row->last[axis] - 1);
         const vd low = choose(in < most, in, most);
         const vh whole = __builtin_convertvector(low, vh);
-        memcpy(cell[axis], &whole, sizeof whole);
+        const vh from = whole - row->origin[axis];
+        memcpy(cell[axis], &from, sizeof from);
         part[axis] = place[axis] - real(whole);
     }
     load_corners(row->grid, type, cell, c);
@@ -122,8 +123,8 @@ ISO_INLINE void draw(const iso_cap_row *row, iso_type type, int x, int count, is
         vl within = meets;
         for (int axis = 0; axis < 3; axis++) {
             place[axis] = at_columns(&row->place[axis], column) * inverse;
-            within &= place[axis] >= set(-ISO_CAP_SLACK);
-            within &= place[axis] <= set(row->last[axis] + ISO_CAP_SLACK);
+            within &= place[axis] >= set(row->low[axis]);
+            within &= place[axis] <= set(row->high[axis]);
             store(block->place[axis] + i, place[axis]);
         }
         if (row->grid) store(block->value + i, sample(row, type, place, within));

@@ -22,16 +22,19 @@ typedef struct iso_cap_linear {
  * meets the plane at depth / slope, at the index coordinates place / slope. */
 typedef struct iso_cap_row {
     iso_cap_linear slope, depth, place[3];
-    int begin, end;        /* columns in which that can be in the volume */
-    double near, last[3];  /* of the view; the index of the last voxel */
-    const iso_rgrid *grid; /* with at least two voxels on each axis; NULL: values are not asked for */
+    int begin, end;         /* columns in which that can be in the volume */
+    double near;            /* of the view */
+    double low[3], high[3]; /* index coordinates between which there are caps */
+    double last[3];         /* the index of the last voxel */
+    int32_t origin[3];      /* the index of the first voxel of `grid`: a part of the volume, or 0 */
+    const iso_rgrid *grid;  /* with at least two voxels on each axis; NULL: values are not asked for */
 } iso_cap_row;
 
 /* Where the rays meet the plane: by sample, in the order of columns. */
 typedef struct iso_cap_block {
     double depth[ISO_CAP_BLOCK];    /* INFINITY: nowhere, or not behind the near plane */
     double place[3][ISO_CAP_BLOCK]; /* in index coordinates */
-    double value[ISO_CAP_BLOCK];    /* stored; NAN: outside of the volume, or beside a voxel without one */
+    double value[ISO_CAP_BLOCK];    /* stored; NAN: not between low and high, or beside a voxel without one */
 } iso_cap_block;
 
 /* A plane along the border lies in the volume, voxels. */

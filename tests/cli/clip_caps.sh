@@ -112,4 +112,3 @@ refuses 2 "not above 0" isorender in/v.mha bad.png --clip 'y<2' --cap slice --wi
 for plane in 'y<2' y= box:1,2,3,4,5,6 keep:y=2 y=2@1 1,2,3:0,0,0; do
     refuses 2 "is not a plane" isorender in/v.mha bad.png --slice "$plane"
 done
-refuses 2 "cannot be combined with --part" isorender in/v.mha --clip 'y<2' --cap slice --part 1/2 -o bad.isokeys

@@ -21,6 +21,7 @@ def run(ranks, *arguments, shell=None):
 pictures = [["in/waves.mha", "--isovalue", "20", "--camera", "iso", "--fit", "box"],
             ["in/waves.mha", "--isovalue", "20", "--chunk-size", "32", "--orthographic", "--azimuth", "30", "--fit", "tight", "--scale-bar"],
             ["scene:ct:80", "--chunk-size", "16", "--camera-position", "20,60,40", "--camera-focal-point", "60,10,30", "--view-angle", "90"],
+            ["scene:ct:80", "--chunk-size", "16", "--clip", "y<35", "--clip", "40,40,40:1,2,-3", "--cap", "slice", "--fit", "box"],
             ["in/waves.mha", "--isovalue", "-9", "--chunk-size", "32", "--method", "pullpush", "--reconstruction", "gaussian",
              "--fit", "box"],
             ["scene:ct:80", "--chunk-size", "32", "--method", "pullpush", "--reconstruction", "box", "--fit", "box"]]

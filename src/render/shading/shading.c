@@ -80,6 +80,13 @@ void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb colo
     shade_sample(normal, to_eye, color, NULL, rgb);
 }
 
+uint32_t iso_shade_pixel(const float normal[3], const float to_eye[3], iso_rgb color) {
+    float rgb[3];
+    shade_sample(normal, to_eye, color, NULL, rgb);
+    const vf all[3] = {v_set(rgb[0]), v_set(rgb[1]), v_set(rgb[2])};
+    return (uint32_t)pack_pixels(all, v_seti(255))[0];
+}
+
 void iso_shade_occluded(const float normal[3], const float to_eye[3], iso_rgb color, float ambient, float key,
                         float rgb[3]) {
     shade_sample(normal, to_eye, color, (const float[2]){ambient, key}, rgb);

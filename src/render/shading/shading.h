@@ -35,6 +35,8 @@ static inline bool iso_rgb_equal(iso_rgb a, iso_rgb b) {
 /* Colour (0 .. 1) of one sample, given its unit normal and the direction to the eye (of any length), both
  * in view space. iso_shade computes the same, with the direction (-u, -v, -1) for a pixel's ray (u, v, 1). */
 void iso_shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, float rgb[3]);
+/* The same as the bytes of a pixel, red in the low byte, opaque. */
+uint32_t iso_shade_pixel(const float normal[3], const float to_eye[3], iso_rgb color);
 /* The same of a sample that the shares `ambient` of the light from all around and `key` of the key light
  * reach. */
 void iso_shade_occluded(const float normal[3], const float to_eye[3], iso_rgb color, float ambient, float key,

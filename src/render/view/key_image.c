@@ -2,6 +2,7 @@
 #include "render/view/key_image.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -68,6 +69,56 @@ void iso_key_image_minimum(iso_key_image *image, const iso_key_image *other, iso
     key_rows rows = {.image = image, .other = other};
     iso_parallel_for(pool, task_count(image), merge_task, &rows);
 }
+
+/* ---- caps */
+
+/* Bits that are ordered as floats are. */
+static uint32_t ordered_bits(float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits >> 31 ? ~bits : bits | 1u << 31;
+}
+
+static float of_ordered_bits(uint32_t bits) {
+    const uint32_t plain = bits >> 31 ? bits & ~(1u << 31) : ~bits;
+    float value;
+    memcpy(&value, &plain, sizeof value);
+    return value;
+}
+
+uint64_t iso_key_of_cap(double depth, int order, uint32_t rgba) {
+    float below = (float)depth;
+    if ((double)below > depth) below = nextafterf(below, -INFINITY);
+    return (uint64_t)ordered_bits(below) << 32 | (uint32_t)order << 24 | (rgba & 0xffffff);
+}
+
+/* A depth is less than a float if it is when rounded down. */
+static bool is_in_front(uint64_t cap, uint64_t surface) {
+    const uint32_t bits = (uint32_t)surface;
+    float depth = INFINITY;
+    if (surface != ISO_KEY_EMPTY) memcpy(&depth, &bits, sizeof depth);
+    return cap != ISO_KEY_EMPTY && of_ordered_bits((uint32_t)(cap >> 32)) < depth;
+}
+
+static void join_task(void *context, size_t task, int worker) {
+    (void)worker;
+    const key_rows *rows = context;
+    uint64_t *keys = rows->image->keys;
+    const size_t plane = (size_t)rows->image->width * (size_t)rows->image->height;
+    const size_t end = first_pixel(rows->image, task + 1);
+    for (size_t i = first_pixel(rows->image, task); i < end; i++)
+        if (is_in_front(keys[2 * plane + i], keys[plane + i]))
+            keys[i] = (keys[2 * plane + i] & 0xffffff) | (uint64_t)0xff << 24;
+}
+
+void iso_key_image_join_caps(iso_key_image *image, iso_pool *pool) {
+    assert(image->height % ISO_KEY_PLANES == 0);
+    image->height /= ISO_KEY_PLANES;
+    key_rows rows = {.image = image};
+    iso_parallel_for(pool, task_count(image), join_task, &rows);
+}
+
+/* ---- pictures */
 
 static void show_task(void *context, size_t task, int worker) {
     (void)worker;

@@ -4,7 +4,11 @@
  * A pixel is a key of 64 bits, or ISO_KEY_EMPTY. Drawing keeps the smallest key, so the result does not
  * depend on the order of drawing, and the key image of a whole is the minimum of those of its parts, pixel
  * by pixel. What the keys mean is the drawing method's: those of `exact` (exact/exact.h) have the pixel's
- * colour in the low 32 bits. */
+ * colour in the low 32 bits.
+ *
+ * The key image of a surface with caps has three planes of the picture's size, one below the other: the keys
+ * of `exact`; the depths of the same crossings (the brick's place << 32 | the bits of a float); and the caps
+ * (iso_key_of_cap). Each is merged by the minimum; when all are, the nearer of surface and cap remains. */
 #ifndef ISO_RENDER_VIEW_KEY_IMAGE_H
 #define ISO_RENDER_VIEW_KEY_IMAGE_H
 
@@ -15,6 +19,8 @@
 
 #define ISO_KEY_EMPTY UINT64_MAX
 
+enum { ISO_KEY_PLANES = 3 }; /* of a surface with caps */
+
 typedef struct iso_key_image {
     int width, height;
     uint64_t *keys; /* rows from top to bottom; owned */
@@ -24,6 +30,15 @@ typedef struct iso_key_image {
 iso_status iso_key_image_allocate(int width, int height, iso_key_image *image, iso_error *error);
 
 void iso_key_image_free(iso_key_image *image);
+
+/* The key of a cap: of two, the smaller one is of the nearer cap, or of that of the lower `order` (0 .. 255)
+ * where the depths, rounded down to floats, are equal. depth: mm along the view; -INFINITY: it hides what is
+ * left of its surface wherever that lies. rgba: the red in the low byte; opaque. */
+uint64_t iso_key_of_cap(double depth, int order, uint32_t rgba);
+
+/* Makes the three planes of a surface with caps one, when all parts have been merged: a cap stays where it
+ * is nearer than the surface. */
+void iso_key_image_join_caps(iso_key_image *image, iso_pool *pool);
 
 /* Empties all pixels. `pool` may be NULL, also below. */
 void iso_key_image_clear(iso_key_image *image, iso_pool *pool);

@@ -228,6 +228,7 @@ static void impossible_numbers_are_refused(void **state) {
     REFUSE(style.method = -1);
     REFUSE(style.orthographic = 2);
     REFUSE(style.anatomical = -1);
+    REFUSE(style.caps = 2);
     REFUSE(style.position.z = NAN);
     REFUSE(style.view_up.x = INFINITY);
     REFUSE(style.view_angle = NAN);
@@ -248,7 +249,7 @@ static void pyramids_have_keys_of_their_own(void **state) {
     const iso_pyramid_level level = iso_pyramid_level_of(&layout, 1);
     const iso_pullpush_base right = {
         .base = 1, .top = 4, .width = level.width, .height = level.height, .cull = 1};
-    for (int kind = 0; kind < 7; kind++) {
+    for (int kind = 0; kind < 8; kind++) {
         iso_key_file file, read;
         make_part(2, &file);
         iso_key_image_free(&file.keys);
@@ -262,6 +263,7 @@ static void pyramids_have_keys_of_their_own(void **state) {
         if (kind == 4) file.style.base.top = ISO_PYRAMID_TOP + 1;
         if (kind == 5) file.style.base.cull = 2;
         if (kind == 6) file.style.base.base = -1;
+        if (kind == 7) file.style.caps = 1;
         if (kind) {
             refuse_numbers(&file, "a level of a pyramid");
             continue;
@@ -276,6 +278,57 @@ static void pyramids_have_keys_of_their_own(void **state) {
     }
 }
 
+/* The depth of the surface in the brick with place 0, or none, and that of the cap, or none: which is shown. */
+static void merged_caps_are_joined(void **state) {
+    (void)state;
+    enum { SURFACE = 0x010203, CAP = 0x0a0b0c };
+    const double none = NAN;
+    const struct {
+        double surface, cap;
+        bool shows_cap;
+    } pixels[] = {{3, 2, true},
+                  {2, 3, false},
+                  {2, 2, false},
+                  {none, 5, true},
+                  {4, none, false},
+                  {0.5f, 0.5, false},
+                  {2, 2 - 1e-12, true},
+                  {2, 2 + 1e-12, false},
+                  {-7, -8, true},
+                  {-8, -7, false},
+                  {-1, 1, false},
+                  {1, -1, true},
+                  {1e-30, -INFINITY, true},
+                  {none, -INFINITY, true}};
+    iso_key_file file, merged;
+    make_part(1, &file);
+    iso_key_image_free(&file.keys);
+    assert_int_equal(iso_key_image_allocate(WIDTH, ISO_KEY_PLANES * HEIGHT, &file.keys, NULL), ISO_OK);
+    for (size_t i = 0; i < sizeof pixels / sizeof *pixels; i++) {
+        const float depth = (float)pixels[i].surface;
+        uint32_t bits;
+        memcpy(&bits, &depth, sizeof bits);
+        if (!isnan(pixels[i].surface))
+            file.keys.keys[i] = SURFACE | 0xff000000u, file.keys.keys[PIXELS + i] = bits;
+        if (!isnan(pixels[i].cap)) file.keys.keys[2 * PIXELS + i] = iso_key_of_cap(pixels[i].cap, 3, CAP);
+    }
+    file.parts = 1;
+    file.style.caps = 1;
+    assert_int_equal(iso_key_file_write(path_of(1), &file, NULL), ISO_OK);
+    const char *path = path_of(1);
+    assert_int_equal(iso_key_files_merge(&path, 1, 0, NULL, &merged, NULL), ISO_OK);
+    assert_int_equal(merged.keys.height, HEIGHT);
+    assert_int_equal(merged.style.caps, 0);
+    for (size_t i = 0; i < sizeof pixels / sizeof *pixels; i++)
+        if ((uint32_t)merged.keys.keys[i] != ((pixels[i].shows_cap ? CAP : SURFACE) | 0xff000000u))
+            fail_msg("surface at %g, cap at %g", pixels[i].surface, pixels[i].cap);
+    assert_true(merged.keys.keys[PIXELS - 1] == ISO_KEY_EMPTY);
+    assert_true(iso_key_of_cap(2, 9, 0) < iso_key_of_cap(2.1, 0, 0));
+    assert_true(iso_key_of_cap(2, 1, 9) < iso_key_of_cap(2, 2, 0));
+    iso_key_file_free(&merged);
+    iso_key_file_free(&file);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(files_are_read_back),
@@ -284,6 +337,7 @@ int main(void) {
         cmocka_unit_test(damage_is_noticed),
         cmocka_unit_test(impossible_numbers_are_refused),
         cmocka_unit_test(pyramids_have_keys_of_their_own),
+        cmocka_unit_test(merged_caps_are_joined),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
