@@ -218,7 +218,10 @@ iso_status isorender_object_prepare(isorender_object *object, const isorender_li
             : has_lines(object) ? prepare_lines(object, pixels, by_pullpush, error)
                                 : prepare_glyphs(object, error));
     object->bounds = iso_scene_object_bounds(&object->scene);
-    if (!iso_box_is_empty(&object->bounds)) return ISO_OK;
+    if (!iso_box_is_empty(&object->bounds))
+        return mesh && !object->settings->colored && object->settings->opacity >= 1
+                   ? iso_scene_object_use_vertex_colors(&object->scene, &object->mesh, error)
+                   : ISO_OK;
     return iso_fail(error, ISO_ERR_EMPTY, "%s: nothing to draw: %s", object->settings->path,
                     mesh                ? "no triangle has an area"
                     : has_lines(object) ? "every line has one vertex, or radii of 0"

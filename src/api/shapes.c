@@ -141,6 +141,8 @@ static iso_status finish_mesh(iso_status status, iso_shape_set *made, const iso_
     if (status == ISO_OK) status = iso_triangle_spans_make(triangles, &made->object.spans, error);
     if (status == ISO_OK && !made->object.spans.span_count)
         status = iso_fail(error, ISO_ERR_EMPTY, "no triangle has an area");
+    if (status == ISO_OK && !made->has_color && made->opacity >= 1)
+        status = iso_scene_object_use_vertex_colors(&made->object, triangles, error);
     if (status == ISO_OK)
         *set = made;
     else

@@ -186,6 +186,7 @@ typedef struct iso_triangles {
     float (*vertices)[3];
     uint32_t (*triangles)[3];
     size_t vertex_count, triangle_count;
+    uint8_t (*colors)[3]; /* of vertices: red, green and blue, display values; NULL: none */
 } iso_triangles;
 
 /* The numbers of vertices and triangles of the welded mesh: copies of vertices are not counted. */

@@ -53,7 +53,7 @@ static iso_rgb color_at(const void *context, const iso_colored_point *point, siz
     if (c->vertices) {
         iso_rgb color;
         const double number = iso_vertex_field_at(c->vertices, point->place, near, &color);
-        const bool own = iso_vertex_field_is_labels(c->vertices) && !isnan(number);
+        const bool own = iso_vertex_field_has_colors(c->vertices) && !isnan(number);
         return own ? color : iso_color_bar_at(&c->bar, number);
     }
     if (c->source == ISO_COLOR_BY_NORMAL)

@@ -20,7 +20,8 @@ typedef struct iso_scene_object {
     const iso_clip *clip;          /* what is cut away, but not of pyramid_lines; borrowed; NULL: nothing */
     /* How an opaque mesh is coloured by data; borrowed; NULL: in one colour. */
     const struct iso_coloring *coloring;
-    bool in_pyramid; /* a mesh or ribbons, drawn in one image pyramid with surfaces */
+    struct iso_own_colors *own_colors; /* of a mesh's vertices; owned; NULL: none */
+    bool in_pyramid;                   /* a mesh or ribbons, drawn in one image pyramid with surfaces */
     /* Totals over all pictures, set by drawing. */
     bool by_cpu;                /* drawn by the cpu engine where another was to draw the picture */
     iso_shapes_drawn drawn;     /* of opaque lines and glyphs */
@@ -30,6 +31,11 @@ typedef struct iso_scene_object {
 static inline bool iso_scene_object_is_opaque(const iso_scene_object *object) {
     return object->translucency.opacity >= 1;
 }
+
+/* Colours an opaque mesh by the colours of its vertices, if there are any. The object's spans are those of
+ * `mesh`. ISO_ERR_NOMEM. */
+iso_status iso_scene_object_use_vertex_colors(iso_scene_object *object, const iso_triangles *mesh,
+                                              iso_error *error);
 
 /* The box of what is drawn, in the world, mm; empty if nothing is. */
 iso_box iso_scene_object_bounds(const iso_scene_object *object);

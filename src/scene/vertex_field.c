@@ -14,7 +14,7 @@ typedef struct corner_value {
 struct iso_vertex_field {
     iso_triangle_tree *tree;
     corner_value (*corners)[3]; /* by triangle of the tree */
-    bool labels;
+    bool colored, labels;
 };
 
 static iso_status fill(const iso_triangles *mesh, const float *values, const uint8_t (*colors)[3],
@@ -28,12 +28,13 @@ static iso_status fill(const iso_triangles *mesh, const float *values, const uin
         const uint32_t *triangle = mesh->triangles[iso_triangle_tree_get(field->tree, i)->number];
         for (int k = 0; k < 3; k++) {
             corner_value *c = &field->corners[i][k];
-            const float value = values[triangle[k]];
+            const float value = values ? values[triangle[k]] : 0;
             *c = (corner_value){isfinite(value) ? value : NAN, {0, 0, 0}};
             for (int j = 0; j < 3 && colors; j++) c->color[j] = colors[triangle[k]][j];
         }
     }
-    field->labels = colors != NULL;
+    field->colored = colors != NULL;
+    field->labels = colors && values;
     return ISO_OK;
 }
 
@@ -56,8 +57,8 @@ void iso_vertex_field_destroy(iso_vertex_field *field) {
     iso_free(field);
 }
 
-bool iso_vertex_field_is_labels(const iso_vertex_field *field) {
-    return field->labels;
+bool iso_vertex_field_has_colors(const iso_vertex_field *field) {
+    return field->colored;
 }
 
 /* The shares of a triangle's corners at its point q: the parts of its area. */
@@ -72,6 +73,14 @@ static void find_shares(const float corners[3][3], iso_vec3 q, double shares[3])
         const double share = area > 0 ? iso_vec3_dot(iso_vec3_cross(a, b), normal) / area : 1 / 3.0;
         shares[k] = share > 0 ? share : 0;
     }
+}
+
+/* The mean of the corners' colours, by their shares. */
+static iso_rgb mix_colors(const corner_value corners[3], const double shares[3]) {
+    double sum[3] = {0.5, 0.5, 0.5}, weight = shares[0] + shares[1] + shares[2];
+    for (int k = 0; k < 3; k++)
+        for (int j = 0; j < 3; j++) sum[j] += shares[k] / weight * corners[k].color[j];
+    return (iso_rgb){(uint8_t)sum[0], (uint8_t)sum[1], (uint8_t)sum[2]};
 }
 
 double iso_vertex_field_at(const iso_vertex_field *field, iso_vec3 point, size_t *near, iso_rgb *color) {
@@ -90,6 +99,7 @@ double iso_vertex_field_at(const iso_vertex_field *field, iso_vec3 point, size_t
     }
     const corner_value *c = &corners[most];
     *color = (iso_rgb){c->color[0], c->color[1], c->color[2]};
-    if (field->labels || isnan(c->value)) return (double)c->value;
+    if (field->colored && !field->labels) *color = mix_colors(corners, shares);
+    if (field->colored || isnan(c->value)) return (double)c->value;
     return sum / weight;
 }

@@ -37,6 +37,15 @@ iso_status iso_mesh_add_vertex(iso_mesh_reading *r, const double p[3], iso_error
                                         : iso_fail(error, ISO_ERR_LIMIT, "%s: too many vertices", r->path);
 }
 
+iso_status iso_mesh_add_color(iso_mesh_reading *r, const double rgb[3], iso_error *error) {
+    const size_t bytes = 3 * r->color_count;
+    if (r->color_count + 1 != r->vertex_count) return ISO_OK; /* one before it has none */
+    ISO_TRY(iso_buffer_reserve(&r->colors, bytes + 3, bytes, error));
+    uint8_t *out = (uint8_t *)r->colors.data + 3 * r->color_count++;
+    for (int k = 0; k < 3; k++) out[k] = (uint8_t)(rgb[k] >= 255 ? 255 : rgb[k] > 0 ? rgb[k] + 0.5 : 0);
+    return ISO_OK;
+}
+
 iso_status iso_mesh_add_triangle(iso_mesh_reading *r, uint32_t a, uint32_t b, uint32_t c, iso_error *error) {
     const size_t bytes = r->triangle_count * 3 * sizeof(uint32_t);
     if (r->triangle_count % TELL == 0) ISO_TRY(report_progress(r, error));
@@ -113,17 +122,20 @@ iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_tri
     iso_text_rows_free(&r.rows);
     if (status == ISO_OK) status = finish_mesh(&r, error);
     iso_buffer_free(&r.fans);
+    if (status != ISO_OK || r.color_count < r.vertex_count) iso_buffer_free(&r.colors);
     if (status != ISO_OK) {
         iso_buffer_free(&r.vertices);
         iso_buffer_free(&r.triangles);
         return status;
     }
-    *mesh = (iso_triangles){r.vertices.data, r.triangles.data, r.vertex_count, r.triangle_count};
+    *mesh =
+        (iso_triangles){r.vertices.data, r.triangles.data, r.vertex_count, r.triangle_count, r.colors.data};
     return ISO_OK;
 }
 
 void iso_triangles_free(iso_triangles *mesh) {
     iso_free(mesh->vertices);
     iso_free(mesh->triangles);
+    iso_free(mesh->colors);
     *mesh = (iso_triangles){0};
 }

@@ -5,16 +5,28 @@
 
 enum { POLYGON_MOST = 1 << 16 };
 
+/* Bytes are as they are; real numbers are 0 .. 1, or as bytes if one is greater. */
+static double color_of(const iso_ply_property *property, double value) {
+    const bool real = property->type == ISO_PLY_FLOAT32 || property->type == ISO_PLY_FLOAT64;
+    return real && value <= 1 ? 255 * value : value;
+}
+
 static iso_status read_ply_vertex(iso_mesh_reading *r, iso_ply *ply, const iso_ply_element *element,
                                   iso_error *error) {
     static const char *const names[3] = {"x", "y", "z"};
+    static const char *const colors[2][3] = {{"red", "green", "blue"},
+                                             {"diffuse_red", "diffuse_green", "diffuse_blue"}};
     const iso_ply_property *property = &ply->properties[element->first_property];
-    double value[ISO_PLY_PROPERTIES], p[3] = {NAN, NAN, NAN};
+    double value[ISO_PLY_PROPERTIES], p[3] = {NAN, NAN, NAN}, rgb[3] = {NAN, NAN, NAN};
     ISO_TRY(iso_ply_read_item(ply, element, value, error));
     for (int i = 0; i < element->property_count; i++)
-        for (int axis = 0; axis < 3; axis++)
-            if (!property[i].is_list && strcmp(property[i].name, names[axis]) == 0) p[axis] = value[i];
-    return iso_mesh_add_vertex(r, p, error);
+        for (int k = 0; k < 3 && !property[i].is_list; k++) {
+            if (strcmp(property[i].name, names[k]) == 0) p[k] = value[i];
+            if (strcmp(property[i].name, colors[0][k]) == 0 || strcmp(property[i].name, colors[1][k]) == 0)
+                rgb[k] = color_of(&property[i], value[i]);
+        }
+    ISO_TRY(iso_mesh_add_vertex(r, p, error));
+    return isnan(rgb[0] + rgb[1] + rgb[2]) ? ISO_OK : iso_mesh_add_color(r, rgb, error);
 }
 
 static iso_status read_ply_corners(iso_mesh_reading *r, iso_ply *ply, const iso_ply_property *list,
