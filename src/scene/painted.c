@@ -1,11 +1,11 @@
 /* Looks colours up in the paint of a field. */
-#include "apps/isosculpt/viewport/painted.h"
+#include "scene/painted.h"
 
 #include <string.h>
 
-isosculpt_painted isosculpt_painted_make(const iso_field_items *items, const iso_hgrid *field, iso_rgb own) {
-    isosculpt_painted painted = {.affine = iso_transform_affine(&field->transform), .own = own};
-    painted.view.paint = &items->of[ISO_ITEM_PAINT];
+iso_painted iso_painted_make(const iso_cell_items *paint, const iso_hgrid *field, iso_rgb own) {
+    iso_painted painted = {.affine = iso_transform_affine(&field->transform), .own = own};
+    painted.view.paint = paint;
     memcpy(painted.view.cells, field->cells, sizeof painted.view.cells);
     return painted;
 }
@@ -14,7 +14,7 @@ static uint8_t blend(unsigned own, unsigned paint, unsigned amount) {
     return (uint8_t)((own * (255 - amount) + paint * amount + 127) / 255);
 }
 
-iso_rgb isosculpt_painted_color(const isosculpt_painted *painted, iso_vec3 place) {
+iso_rgb iso_painted_color(const iso_painted *painted, iso_vec3 place) {
     const iso_rgb own = painted->own;
     const uint32_t color = iso_paint_at(&painted->view, iso_affine_point_to_index(&painted->affine, place));
     const unsigned amount = iso_paint_amount(color);
@@ -25,14 +25,14 @@ iso_rgb isosculpt_painted_color(const isosculpt_painted *painted, iso_vec3 place
 /* iso_surface_colors.at. */
 static iso_rgb color_at(const void *context, const iso_colored_point *point, size_t *near) {
     (void)near;
-    return isosculpt_painted_color(context, point->place);
+    return iso_painted_color(context, point->place);
 }
 
-iso_coloring isosculpt_painted_coloring(const isosculpt_painted *painted) {
+iso_coloring iso_painted_coloring(const iso_painted *painted) {
     return (iso_coloring){.given = {color_at, painted}};
 }
 
-iso_level_set_colors isosculpt_painted_voxels(const isosculpt_painted *painted) {
+iso_level_set_colors iso_painted_voxels(const iso_painted *painted) {
     const iso_rgb own = painted->own;
     return (iso_level_set_colors){.cell = (const void *const *)painted->view.paint->cell,
                                   .own = {own.r, own.g, own.b}};
