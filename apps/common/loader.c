@@ -319,6 +319,12 @@ static void free_paint(iso_loader *loader) {
     loader->painted = (iso_painted){.log = NULL};
 }
 
+/* Not with another spacing, which is not that of the colours. */
+static iso_status read_colors(iso_loader *loader, const iso_volume_opts *opts, iso_error *error) {
+    if (strcmp(loader->volume.info.format, "vdb") != 0 || opts->spacing[0] > 0) return ISO_OK;
+    return iso_painted_read(loader->path, opts, &loader->paint, &loader->painted, error);
+}
+
 static iso_status read_volume(iso_loader *loader, iso_error *error) {
     free_paint(loader);
     if (loader->has_strokes) {
@@ -329,6 +335,7 @@ static iso_status read_volume(iso_loader *loader, iso_error *error) {
         if (loader->mapped) opts.max_memory = chunk_limit(loader);
         opts.chunk_side = loader->chunk_side ? loader->chunk_side : iso_loader_chunk_side(loader, 0);
         ISO_TRY(iso_volume_read(loader->path, &opts, &loader->volume, error));
+        if (iso_grid_is_level_set(&loader->volume.grid)) ISO_TRY(read_colors(loader, &opts, error));
         report_reading(loader, 1);
     }
     ISO_TRY(iso_input_crop(loader->options, loader->crop, &loader->volume.grid, error));

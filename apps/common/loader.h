@@ -72,7 +72,7 @@ typedef struct iso_loader {
     /* after iso_loader_read: */
     iso_glyphs points;      /* if has_points; the caller may free them when they are not needed any more */
     iso_read_report report; /* of the points */
-    iso_cell_items paint;   /* of strokes, and */
+    iso_cell_items paint;   /* of strokes, or the colours of a .vdb level set, and */
     iso_painted painted;    /* where it lies; zero: there is none */
     size_t nonfinite;       /* voxels that are NaN or infinite */
     bool shelved;           /* the volume goes to the shelf, */

@@ -390,10 +390,12 @@ static const char *reason_against_paint(const isorender_job *job, char text[ISO_
     return text;
 }
 
-/* Whether the paint of a surface's file colours it, rather than --surface-color-by. */
+/* Whether the paint of a surface's file colours it, rather than --surface-color-by, or --color, which is for
+ * what is not painted only where the file tells that. */
 static bool is_painted(const isorender_job *job, const isorender_surface *surface) {
+    const iso_loader *loader = surface->loader;
     return !job->chunks && !surface->label_group && !surface->scene.coloring &&
-           iso_painted_any(&surface->loader->painted);
+           iso_painted_any(&loader->painted) && (loader->has_strokes || !surface->color_given);
 }
 
 static void paint_surfaces(isorender_job *job) {
@@ -402,7 +404,7 @@ static void paint_surfaces(isorender_job *job) {
     for (int i = 0; i < job->surface_count; i++) any |= is_painted(job, &job->surfaces[i]);
     const char *reason = any ? reason_against_paint(job, text) : NULL;
     if (reason && !job->settings->film->first)
-        isorender_log(job, "note: drawn without the paint of its strokes: %s", reason);
+        isorender_log(job, "note: drawn without its paint: %s", reason);
     for (int i = 0; i < job->surface_count && !reason; i++) {
         isorender_surface *surface = &job->surfaces[i];
         if (!is_painted(job, surface)) continue;

@@ -22,6 +22,7 @@ typedef struct isorender_surface {
     iso_scene_surface scene; /* its isovalue is NaN for points that were read; its grid is borrowed: the
                                 volume's or own_grid */
     iso_rgb color;
+    bool color_given; /* by --color */
     iso_translucency translucency;
     iso_grid own_grid;   /* of the scene, when it is a copy without small parts, or with caps; else NULL */
     int label_group;     /* of labels: iso_label_fields_grid, which its grid is; 0: it is none of labels */

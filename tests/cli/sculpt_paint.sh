@@ -35,8 +35,10 @@ for color in 8C5A32 201814 CE8E70; do
 done
 isorender brown.strokes --color CE8E70 --samples 1 --resolution 300x300 -o brown.png --mesh drawn.ply --quiet
 isorender brown.strokes --color CE8E70 --samples 1 --resolution 300x300 --method discs -o discs.png --quiet
+isorender brown.vdb --samples 1 --resolution 300x300 -o level-set.png --mesh level-set.ply --quiet
+isorender brown.vdb --color CE8E70 --samples 1 --resolution 300x300 -o without.png --quiet
 isorender brown.strokes --opacity 0.5 --method splats --resolution 300x300 -o glassy.png 2>message
-grep -q "note: drawn without the paint of its strokes: --method splats" message
+grep -q "note: drawn without its paint: --method splats" message
 python3 - <<'P'
 from check import *
 plain = [Png("plain-%s.png" % name).pixels() for name in ("8C5A32", "201814", "CE8E70")]
@@ -47,6 +49,10 @@ expect(counts[0] > 0.7 * len(solid) and counts[1] > 50 and counts[2] > 0.05 * le
 expect(all(min(c[i][k] for c in plain) <= drawn[i][k] <= max(c[i][k] for c in plain) for i in solid for k in range(3)),
        "colours that are none between those painted")
 expect(all(p[0] - p[2] < 45 for p in Png("glassy.png").pixels()), "brown splats")
+expect(Png("without.png").pixels() == plain[2], "--color is instead of the colours of a .vdb")
+level_set = Png("level-set.png").pixels()
+off = sorted(max(abs(a - b) for a, b in zip(level_set[i], drawn[i])) for i in solid)
+expect(off[-1] <= 2, "the .vdb is drawn in the colours of the strokes", off[-20:])
 discs = Png("discs.png").pixels()
 near = sum(max(abs(a - b) for a, b in zip(discs[i], drawn[i])) <= 12 for i in solid)
 expect(near > 0.9 * len(solid), "discs", near, len(solid))
