@@ -35,8 +35,8 @@ iso_status iso_level_set_put_vdb(FILE *stream, const char *path, const iso_hgrid
                                  const iso_level_set_colors *colors, const iso_progress *progress,
                                  iso_error *error);
 
-/* Receives the colours of a .vdb file. The colours of a cell are words as of iso_level_set_colors, each of which
- * covers all or nothing. */
+/* Receives the colours of a .vdb file. The colours of a cell are words as of iso_level_set_colors, each of
+ * which covers all or nothing. */
 typedef struct iso_color_receiver {
     void *context;
     /* Once, before the cells: where the voxels lie, how many cells there are along each axis, and the colour

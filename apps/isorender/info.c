@@ -53,7 +53,8 @@ static void print_memory(const isorender_job *job, const iso_volume_info *info) 
 static void print_field(const iso_volume_info *info) {
     const int n = info->components;
     if (n == 3) printf("  %-11s if they are vectors: arrows (--glyphs), streamlines (--lines)\n", "drawable");
-    if (n == 6 || n == 7 || n == 9) printf("  %-11s if they are tensors: ellipsoids (--glyphs)\n", "drawable");
+    if (n == 6 || n == 7 || n == 9)
+        printf("  %-11s if they are tensors: ellipsoids (--glyphs)\n", "drawable");
 }
 
 static void print_header(const isorender_job *job, const iso_loader *loader) {

@@ -36,9 +36,9 @@ iso_coloring iso_painted_coloring(const iso_painted *painted);
 iso_level_set_colors iso_painted_voxels(const iso_painted *painted);
 
 struct iso_volume_opts;
-/* Reads the colours of a .vdb file, its grid "Cd", as paint; `own` is the colour of voxels that have none. *paint
- * is overwritten, for iso_cell_items_free, and borrowed by *painted. Where the file has no colours both are
- * empty. Errors: those of iso_level_set_read_colors. */
+/* Reads the colours of a .vdb file, its grid "Cd", as paint; `own` is the colour of voxels that have none.
+ * *paint is overwritten, for iso_cell_items_free, and borrowed by *painted. Where the file has no colours
+ * both are empty. Errors: those of iso_level_set_read_colors. */
 iso_status iso_painted_read(const char *path, const struct iso_volume_opts *opts, iso_cell_items *paint,
                             iso_painted *painted, iso_error *error);
 
