@@ -21,6 +21,13 @@ iso_status iso_level_set_put_vdb(FILE *stream, const char *path, const iso_hgrid
     return iso_progress_tell(progress, path, 1, error);
 }
 
+iso_status iso_level_set_read_colors(const char *path, const struct iso_volume_opts *opts,
+                                     const iso_color_receiver *to, iso_error *error) {
+    const iso_module *module;
+    ISO_TRY(iso_module_load(path, "vdb", "OpenVDB", &module, error));
+    return module->read_colors(path, opts, to, error);
+}
+
 iso_status iso_level_set_write_vdb(const char *path, const iso_hgrid *grid, const char *name,
                                    const iso_progress *progress, iso_error *error) {
     iso_sink sink;

@@ -35,6 +35,25 @@ iso_status iso_level_set_put_vdb(FILE *stream, const char *path, const iso_hgrid
                                  const iso_level_set_colors *colors, const iso_progress *progress,
                                  iso_error *error);
 
+/* Receives the colours of a .vdb file. The colours of a cell are words as of iso_level_set_colors, each of
+ * which covers all or nothing. */
+typedef struct iso_color_receiver {
+    void *context;
+    /* Once, before the cells: where the voxels lie, how many cells there are along each axis, and the colour
+     * of voxels that have none. */
+    iso_status (*begin)(void *context, const iso_transform *transform, const int cells[3],
+                        const uint8_t own[3], iso_error *error);
+    /* A cell that has colours, of ISO_BRICK_VOXELS voxels. */
+    iso_status (*cell)(void *context, size_t cell, const uint32_t *colors, iso_error *error);
+} iso_color_receiver;
+
+struct iso_volume_opts;
+/* Reads the grid "Cd" of a .vdb file (iso_level_set_put_vdb), of vectors of floats. Where the file has none,
+ * nothing is received. opts: max_memory counts; or NULL. Errors: those of iso_volume_read and of the
+ * receiver. */
+iso_status iso_level_set_read_colors(const char *path, const struct iso_volume_opts *opts,
+                                     const iso_color_receiver *to, iso_error *error);
+
 /* The grid that a mesh or lines are sampled in: whole bricks of cubic voxels along the world's axes, with
  * their box in the middle and at least `margin` voxels around it. */
 typedef struct iso_sampling {

@@ -164,7 +164,8 @@ static iso_status describe_strokes(iso_loader *loader, iso_error *error) {
 static iso_status play_strokes(iso_loader *loader, iso_error *error) {
     const iso_source how = source_of_strokes(loader);
     iso_grid *grid = &loader->volume.grid;
-    ISO_TRY(iso_strokes_play(loader->path, &how, &grid->hgrid, error));
+    ISO_TRY(iso_strokes_play(loader->path, &how, &grid->hgrid, &loader->paint, error));
+    loader->painted = iso_painted_make(&loader->paint, grid->hgrid, (iso_rgb){0});
     loader->volume.info.bytes = loader->volume.info.read_bytes = iso_hgrid_bytes(grid->hgrid);
     memcpy(loader->volume.info.dims, iso_grid_dims(grid), sizeof loader->volume.info.dims);
     loader->volume.info.transform = *iso_grid_transform(grid);
@@ -313,7 +314,19 @@ static void put_on_shelf(iso_loader *loader) {
     loader->volume = (iso_volume){.grid = {NULL, NULL}};
 }
 
+static void free_paint(iso_loader *loader) {
+    iso_cell_items_free(&loader->paint);
+    loader->painted = (iso_painted){.log = NULL};
+}
+
+/* Not with another spacing, which is not that of the colours. */
+static iso_status read_colors(iso_loader *loader, const iso_volume_opts *opts, iso_error *error) {
+    if (strcmp(loader->volume.info.format, "vdb") != 0 || opts->spacing[0] > 0) return ISO_OK;
+    return iso_painted_read(loader->path, opts, &loader->paint, &loader->painted, error);
+}
+
 static iso_status read_volume(iso_loader *loader, iso_error *error) {
+    free_paint(loader);
     if (loader->has_strokes) {
         ISO_TRY(play_strokes(loader, error));
     } else if (isnan(loader->scene_isovalue)) {
@@ -322,6 +335,7 @@ static iso_status read_volume(iso_loader *loader, iso_error *error) {
         if (loader->mapped) opts.max_memory = chunk_limit(loader);
         opts.chunk_side = loader->chunk_side ? loader->chunk_side : iso_loader_chunk_side(loader, 0);
         ISO_TRY(iso_volume_read(loader->path, &opts, &loader->volume, error));
+        if (iso_grid_is_level_set(&loader->volume.grid)) ISO_TRY(read_colors(loader, &opts, error));
         report_reading(loader, 1);
     }
     ISO_TRY(iso_input_crop(loader->options, loader->crop, &loader->volume.grid, error));
@@ -392,6 +406,7 @@ iso_status iso_loader_moments(iso_loader *loader, const iso_ranks *ranks, iso_er
 void iso_loader_close(iso_loader *loader) {
     put_on_shelf(loader);
     iso_glyphs_free(&loader->points);
+    free_paint(loader);
     iso_volume_free(&loader->volume);
     iso_spool_close(&loader->spool);
 }

@@ -19,6 +19,7 @@
 #include "extract/isovalue/isovalue.h"
 #include "grids/volume/input.h"
 #include "io/glyphs/mapped_points.h"
+#include "scene/painted.h"
 
 /* The volume that was read last, for the next loader: work on one file in several steps reads it once.
  * Zero-initialise; iso_loader_shelf_free when done. */
@@ -71,6 +72,8 @@ typedef struct iso_loader {
     /* after iso_loader_read: */
     iso_glyphs points;      /* if has_points; the caller may free them when they are not needed any more */
     iso_read_report report; /* of the points */
+    iso_cell_items paint;   /* of strokes, or the colours of a .vdb level set, and */
+    iso_painted painted;    /* where it lies; zero: there is none */
     size_t nonfinite;       /* voxels that are NaN or infinite */
     bool shelved;           /* the volume goes to the shelf, */
     uint64_t edit;          /* unless its log has another last edit by then */

@@ -373,7 +373,51 @@ static void set_given_range(const isorender_job *job, color_source *source) {
     source->bar.high = range[1];
 }
 
-iso_status isorender_colorings_make(isorender_job *job, iso_error *error) {
+/* ---- paint */
+
+/* Why surfaces cannot be drawn with their paint; NULL: they can. */
+static const char *reason_against_paint(const isorender_job *job, char text[ISO_METHODS_TEXT + 100]) {
+    const isorender_settings *settings = job->settings;
+    char who[ISO_METHODS_TEXT];
+    const iso_capability needed = job->translucent ? ISO_CAN_COLOR_LAYERS : ISO_CAN_COLORS;
+    if (settings->ior > 0) return "glass has none";
+    if (settings->instances) return "--instances have none";
+    if (settings->parts) return "surfaces of --part have none";
+    if (job->renderer->can & (unsigned)needed) return NULL;
+    snprintf(text, ISO_METHODS_TEXT + 100, "--method %s does not draw it%s: %s do",
+             iso_method_name(job->method), job->translucent ? " on translucent surfaces" : "",
+             iso_methods_that_can(needed, who));
+    return text;
+}
+
+/* Whether the paint of a surface's file colours it, rather than --surface-color-by, or --color, which is for
+ * what is not painted only where the file tells that. */
+static bool is_painted(const isorender_job *job, const isorender_surface *surface) {
+    const iso_loader *loader = surface->loader;
+    return !job->chunks && !surface->label_group && !surface->scene.coloring &&
+           iso_painted_any(&loader->painted) && (loader->has_strokes || !surface->color_given);
+}
+
+static void paint_surfaces(isorender_job *job) {
+    char text[ISO_METHODS_TEXT + 100];
+    bool any = false;
+    for (int i = 0; i < job->surface_count; i++) any |= is_painted(job, &job->surfaces[i]);
+    const char *reason = any ? reason_against_paint(job, text) : NULL;
+    if (reason && !job->settings->film->first)
+        isorender_log(job, "note: drawn without its paint: %s", reason);
+    for (int i = 0; i < job->surface_count && !reason; i++) {
+        isorender_surface *surface = &job->surfaces[i];
+        if (!is_painted(job, surface)) continue;
+        surface->painted = surface->loader->painted;
+        surface->painted.own = surface->color;
+        surface->paint = iso_painted_coloring(&surface->painted);
+        surface->scene.coloring = &surface->paint;
+    }
+}
+
+/* ---- the colorings of a picture */
+
+static iso_status make_colorings(isorender_job *job, iso_error *error) {
     isorender_colorings *all = job->colorings;
     const int things = job->surface_count + job->object_count;
     if (!all) return ISO_OK;
@@ -402,6 +446,12 @@ iso_status isorender_colorings_make(isorender_job *job, iso_error *error) {
     }
     for (int i = 0; i < all->count; i++)
         if (all->sources[i].settings->source != ISO_COLOR_BY_DEPTH) log_source(job, &all->sources[i]);
+    return ISO_OK;
+}
+
+iso_status isorender_colorings_make(isorender_job *job, iso_error *error) {
+    ISO_TRY(make_colorings(job, error));
+    paint_surfaces(job);
     return ISO_OK;
 }
 

@@ -15,9 +15,9 @@ iso_status isorender_colorings_check(isorender_settings *settings, iso_error *er
 iso_status isorender_colorings_open(isorender_job *job, iso_error *error);
 iso_status isorender_colorings_read(isorender_job *job, iso_error *error);
 
-/* Sets the coloring of each surface that has one, when they are extracted; their ranges too, but for that
- * of depth. ISO_ERR_USAGE: a number that no surface has, one that cannot be coloured or is coloured twice;
- * ISO_ERR_NOMEM. */
+/* Sets the coloring of each surface that has one, by data or by the paint of its file, when they are
+ * extracted; their ranges too, but for that of depth. ISO_ERR_USAGE: a number that no surface has, one that
+ * cannot be coloured or is coloured twice; ISO_ERR_NOMEM. */
 iso_status isorender_colorings_make(isorender_job *job, iso_error *error);
 /* Sets the ranges of depth, of the first camera. ISO_ERR_NOMEM. */
 iso_status isorender_colorings_see(isorender_job *job, iso_error *error);

@@ -22,9 +22,12 @@ typedef struct isorender_surface {
     iso_scene_surface scene; /* its isovalue is NaN for points that were read; its grid is borrowed: the
                                 volume's or own_grid */
     iso_rgb color;
+    bool color_given; /* by --color */
     iso_translucency translucency;
-    iso_grid own_grid; /* of the scene, when it is a copy without small parts, or with caps; else NULL */
-    int label_group;   /* of labels: iso_label_fields_grid, which its grid is; 0: it is none of labels */
+    iso_grid own_grid;   /* of the scene, when it is a copy without small parts, or with caps; else NULL */
+    int label_group;     /* of labels: iso_label_fields_grid, which its grid is; 0: it is none of labels */
+    iso_painted painted; /* its paint, and */
+    iso_coloring paint;  /* how it is coloured by it, if it is */
     iso_components_totals parts;
     iso_mesh_measures measures; /* of the mesh: isorender_mesh_weld */
     iso_box bounds;             /* in the world, mm */

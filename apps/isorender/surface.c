@@ -138,9 +138,12 @@ static void choose_colors(isorender_job *job) {
         const isorender_volume_settings *volume = volume_settings(job, i);
         const iso_rgb *given = volume ? &volume->color : &settings->colors[i];
         const bool is_given = volume ? volume->colored : i < settings->color_count;
+        const iso_loader *loader = job->surfaces[i].loader;
         iso_rgb stated = iso_shading_palette(i);
+        if (!loader->has_strokes && iso_painted_any(&loader->painted)) stated = loader->painted.own;
         if (!is_given) isorender_channel_color(job, i, &stated);
         job->surfaces[i].color = is_given ? *given : stated;
+        job->surfaces[i].color_given = is_given;
     }
 }
 

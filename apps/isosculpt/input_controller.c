@@ -52,8 +52,8 @@ static bool is_masked(const void *session, int x, int y, int z) {
 /* Passes the session's paint on to the viewport, and its mask, whose voxels are drawn darker. */
 static void update_items(isosculpt_controller *controller) {
     iso_session *session = controller->document->session;
-    controller->viewport->painted = isosculpt_painted_make(
-        iso_session_items(session), iso_session_grid(session), controller->viewport->mode.material.color);
+    controller->viewport->painted = iso_painted_make(iso_session_paint(session), iso_session_grid(session),
+                                                     controller->viewport->mode.material.color);
     controller->viewport->painted.log = iso_session_paint_log(session);
     bool any = iso_session_has_mask(session),
          masks = controller->tool == ISO_TOOL_MASK || controller->tool == ISO_TOOL_UNMASK;
@@ -169,9 +169,9 @@ void isosculpt_controller_pick_color(isosculpt_controller *controller) {
     isosculpt_pick pick;
     const isosculpt_viewport *viewport = controller->viewport;
     if (controller->viewing_volume || !isosculpt_controller_pick(controller, &pick)) return;
-    isosculpt_painted painted = viewport->painted;
+    iso_painted painted = viewport->painted;
     painted.own = viewport->mode.material.color;
-    isosculpt_controller_brush(controller)->color = isosculpt_painted_color(&painted, pick.position);
+    isosculpt_controller_brush(controller)->color = iso_painted_color(&painted, pick.position);
 }
 
 /* Returns the brush of the stroke: the chosen brush with the stroke's tool. Painting has the colour, unless

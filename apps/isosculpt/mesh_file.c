@@ -13,8 +13,8 @@ static iso_status write_weld(const char *path, const iso_mesh_view *view, const 
     ISO_TRY(iso_mesh_weld(view, NULL, &weld, error));
     if (opts->closed) iso_weld_separate(view, ISO_CLOSED_TOLERANCE, &weld);
     iso_status status = ISO_OK;
-    if (opts->painted && isosculpt_painted_any(opts->painted)) {
-        const iso_coloring coloring = isosculpt_painted_coloring(opts->painted);
+    if (opts->painted && iso_painted_any(opts->painted)) {
+        const iso_coloring coloring = iso_painted_coloring(opts->painted);
         status = iso_coloring_weld(&coloring, &view->transform, opts->pool, &weld, error);
     }
     if (status == ISO_OK) status = iso_weld_measure(&weld, &view->transform, opts->pool, measures, error);

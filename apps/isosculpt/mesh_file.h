@@ -5,18 +5,18 @@
 
 #include <stdio.h>
 
-#include "apps/isosculpt/viewport/painted.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "extract/mesh/mesh_measure.h"
 #include "grids/hgrid.h"
+#include "scene/painted.h"
 
 typedef struct isosculpt_mesh_opts {
-    bool closed;                      /* cap the solid at the border of the grid (grids/parts/closed.h) */
-    iso_pool *pool;                   /* borrowed for the call; NULL: the calling thread */
-    const iso_progress *progress;     /* or NULL */
-    const isosculpt_painted *painted; /* colours of the vertices, if there is paint; borrowed; NULL: none */
-    FILE *stream;                     /* where the mesh is written to; NULL: to the file `path` */
+    bool closed;                  /* cap the solid at the border of the grid (grids/parts/closed.h) */
+    iso_pool *pool;               /* borrowed for the call; NULL: the calling thread */
+    const iso_progress *progress; /* or NULL */
+    const iso_painted *painted;   /* colours of the vertices, if there is paint; borrowed; NULL: none */
+    FILE *stream;                 /* where the mesh is written to; NULL: to the file `path` */
 } isosculpt_mesh_opts;
 
 /* Writes the Marching Cubes mesh of the field as .stl, .ply or .obj, and measures it. The field is only read.

@@ -147,6 +147,16 @@ static void add_style(isosculpt_render_options *to, writer *w, const isosculpt_v
     if (light.outline > 0) add_numbers(to, w, "outline", &light.outline, 1);
 }
 
+static void add_surface_colors(isosculpt_render_options *to, writer *w, const isosculpt_viewport *viewport) {
+    begin(to, w, "color");
+    put_color(w, viewport->mode.material.color);
+    if (isosculpt_viewport_has_second(viewport)) {
+        put(w, ",");
+        put_color(w, viewport->see_through.second_color);
+    }
+    end(w);
+}
+
 bool isosculpt_render_options_make(const isosculpt_render_command *command, isosculpt_render_options *to) {
     const isosculpt_viewport *viewport = command->viewport;
     const iso_camera *camera = &viewport->camera;
@@ -168,11 +178,8 @@ bool isosculpt_render_options_make(const isosculpt_render_command *command, isos
     begin(to, &w, "resolution");
     put(&w, "%dx%d", command->width, command->height);
     end(&w);
-    begin(to, &w, "color");
-    put_color(&w, viewport->mode.material.color);
-    if (two) put(&w, ",");
-    if (two) put_color(&w, how->second_color);
-    end(&w);
+    /* the file of a painted field has its colours */
+    if (!isosculpt_viewport_is_painted(viewport)) add_surface_colors(to, &w, viewport);
     begin(to, &w, "background");
     put_color(&w, viewport->mode.material.background);
     end(&w);

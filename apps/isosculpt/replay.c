@@ -384,8 +384,8 @@ static iso_status write_points(player *p, const char *path, iso_error *error) {
 }
 
 static iso_status write_mesh(player *p, const char *path, iso_error *error) {
-    const isosculpt_painted painted = isosculpt_painted_make(
-        iso_session_items(p->session), iso_session_grid(p->session), ISOSCULPT_SURFACE_COLOR);
+    const iso_painted painted = iso_painted_make(iso_session_paint(p->session), iso_session_grid(p->session),
+                                                 ISOSCULPT_SURFACE_COLOR);
     const isosculpt_mesh_opts opts = {
         .closed = p->settings->closed != 0, .pool = p->pool, .painted = &painted};
     p->report->mesh_path = path;
@@ -394,13 +394,13 @@ static iso_status write_mesh(player *p, const char *path, iso_error *error) {
 
 static iso_status write_level_set(player *p, const char *path, iso_error *error) {
     const iso_hgrid *grid = iso_session_grid(p->session);
-    const isosculpt_painted painted =
-        isosculpt_painted_make(iso_session_items(p->session), grid, ISOSCULPT_SURFACE_COLOR);
-    const iso_level_set_colors colors = isosculpt_painted_voxels(&painted);
+    const iso_painted painted =
+        iso_painted_make(iso_session_paint(p->session), grid, ISOSCULPT_SURFACE_COLOR);
+    const iso_level_set_colors colors = iso_painted_voxels(&painted);
     iso_sink sink;
     ISO_TRY(iso_sink_open(path, &sink, error));
-    const iso_status status = iso_level_set_put_vdb(
-        sink.stream, path, grid, "surface", isosculpt_painted_any(&painted) ? &colors : NULL, NULL, error);
+    const iso_status status = iso_level_set_put_vdb(sink.stream, path, grid, "surface",
+                                                    iso_painted_any(&painted) ? &colors : NULL, NULL, error);
     if (status == ISO_OK) return iso_sink_commit(&sink, error);
     iso_sink_abort(&sink);
     return status;
@@ -502,7 +502,7 @@ static iso_status prepare(player *p, iso_error *error) {
     if (!p->viewport) return ISO_OK;
     ISO_TRY(isosculpt_viewport_init(p->viewport, grid.hgrid, p->pool, error));
     p->viewport->painted =
-        isosculpt_painted_make(iso_session_items(p->session), grid.hgrid, ISOSCULPT_SURFACE_COLOR);
+        iso_painted_make(iso_session_paint(p->session), grid.hgrid, ISOSCULPT_SURFACE_COLOR);
     p->viewport->painted.log = iso_session_paint_log(p->session);
     ISO_TRY(add_reference(p, error));
     return isosculpt_viewport_draw(p->viewport, size[0], size[1], false, error);

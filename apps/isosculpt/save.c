@@ -243,16 +243,16 @@ static iso_status write_snapshot(isosculpt_saver *saver, FILE *stream, const iso
                        writing = iso_progress_part(progress, 0.2, 1);
     iso_hgrid *grid;
     ISO_TRY(iso_snapshot_copy(saver->snapshot, &taking, &grid, error));
-    const isosculpt_painted painted = isosculpt_painted_make(&saver->items, grid, saver->color);
+    const iso_painted painted = iso_painted_make(&saver->items.of[ISO_ITEM_PAINT], grid, saver->color);
     const isosculpt_mesh_opts mesh = {
         .closed = saver->closed, .progress = &writing, .painted = &painted, .stream = stream};
-    const iso_level_set_colors colors = isosculpt_painted_voxels(&painted);
+    const iso_level_set_colors colors = iso_painted_voxels(&painted);
     saver->nothing_left = !has_solid(grid);
     iso_status status =
         saver->segmentation ? write_label(saver, grid, stream, &writing, error)
         : is_level_set(saver->path)
             ? iso_level_set_put_vdb(stream, saver->path, grid, "surface",
-                                    isosculpt_painted_any(&painted) ? &colors : NULL, &writing, error)
+                                    iso_painted_any(&painted) ? &colors : NULL, &writing, error)
             : isosculpt_mesh_write(saver->path, grid, &mesh, &saver->measures, error);
     iso_hgrid_destroy(grid);
     return status;

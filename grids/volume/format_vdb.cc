@@ -13,6 +13,7 @@
 
 #include <openvdb/openvdb.h>
 
+#include "base/srgb.h"
 #include "grids/volume/bridge_guard.hpp"
 #include "grids/volume/level_set_vdb.hpp"
 #include "grids/volume/module.h"
@@ -569,8 +570,86 @@ iso_status vdb_read(const char *path, const iso_volume_opts *opts, iso_volume_in
     return status;
 }
 
+/* ---- colours ---- */
+
+using openvdb::Vec3SGrid;
+
+uint32_t display_color(const openvdb::Vec3f &linear) {
+    uint32_t color = 255u << 24;
+    for (int k = 0; k < 3; k++)
+        color |= static_cast<uint32_t>(255 * iso_srgb_encode(static_cast<double>(linear[k])) + 0.5) << 8 * k;
+    return color;
+}
+
+/* Copies the colours of the active voxels of a cell; returns whether there are any. */
+bool copy_colors(Vec3SGrid::ConstAccessor &source, const Coord &first, std::vector<uint32_t> *colors) {
+    bool any = false;
+    std::fill(colors->begin(), colors->end(), 0);
+    for (int leaf = 0; leaf < 8; leaf++) {
+        const Coord from = first.offsetBy((leaf & 1) * LEAF, (leaf >> 1 & 1) * LEAF, (leaf >> 2) * LEAF);
+        if (!source.probeConstLeaf(from) && !source.isValueOn(from)) continue; /* all of it is inactive */
+        for (int i = 0; i < LEAF * LEAF * LEAF; i++) {
+            const Coord at = from.offsetBy(i % LEAF, i / LEAF % LEAF, i / (LEAF * LEAF)), in = at - first;
+            openvdb::Vec3f color;
+            if (!source.probeValue(at, color)) continue;
+            any = true;
+            (*colors)[static_cast<size_t>((in.z() * ISO_BRICK + in.y()) * ISO_BRICK + in.x())] =
+                display_color(color);
+        }
+    }
+    return any;
+}
+
+iso_status send_colors(const char *path, const vdb_grid &entry, const Vec3SGrid &grid,
+                       const iso_color_receiver &to, iso_error *error) {
+    const CoordBBox box = grid.evalActiveVoxelBoundingBox();
+    const Coord lo(leaf_floor(box.min().x()), leaf_floor(box.min().y()), leaf_floor(box.min().z()));
+    uint64_t dims[3];
+    int cells[3];
+    if (!box_dims(CoordBBox(lo, box.max()), dims)) return ISO_OK; /* nothing is coloured */
+    for (int i = 0; i < 3; i++) {
+        if (dims[i] > ISO_HGRID_MAX)
+            return iso_fail(error, ISO_ERR_LIMIT, "%s: grid \"%s\" spans more than %d voxels", path,
+                            entry.name().c_str(), ISO_HGRID_MAX);
+        cells[i] = static_cast<int>((dims[i] + ISO_BRICK - 1) / ISO_BRICK);
+    }
+    iso_transform transform;
+    ISO_TRY(fill_transform(path, entry, lo, &transform, error));
+    const uint32_t own = display_color(grid.background());
+    const uint8_t bytes[3] = {static_cast<uint8_t>(own), static_cast<uint8_t>(own >> 8),
+                              static_cast<uint8_t>(own >> 16)};
+    ISO_TRY(to.begin(to.context, &transform, cells, bytes, error));
+    Vec3SGrid::ConstAccessor accessor = grid.getConstAccessor();
+    std::vector<uint32_t> colors(ISO_BRICK_VOXELS);
+    size_t number = 0;
+    for (int z = 0; z < cells[2]; z++)
+        for (int y = 0; y < cells[1]; y++)
+            for (int x = 0; x < cells[0]; x++, number++)
+                if (copy_colors(accessor, lo.offsetBy(x * ISO_BRICK, y * ISO_BRICK, z * ISO_BRICK), &colors))
+                    ISO_TRY(to.cell(to.context, number, colors.data(), error));
+    return ISO_OK;
+}
+
+iso_status read_colors(const char *path, const iso_volume_opts *opts, const iso_color_receiver *to,
+                       iso_error *error) {
+    const iso_volume_opts usual = {};
+    return iso::guard(path, error, [&] {
+        initialize();
+        return reading(path, error, [&] {
+            archive file(path, opts ? opts : &usual);
+            ISO_TRY(file.scan(error));
+            vdb_grid *entry = first_of(file, [](const GridBase &grid) {
+                return grid.getName() == "Cd" && grid.isType<Vec3SGrid>();
+            });
+            if (!entry) return ISO_OK;
+            ISO_TRY(file.load(*entry, false, error));
+            return send_colors(path, *entry, static_cast<const Vec3SGrid &>(*entry->grid), *to, error);
+        });
+    });
+}
+
 const iso_format format = {"vdb", "OpenVDB", nullptr, vdb_info, vdb_read, nullptr};
 
 } // namespace
 
-ISO_MODULE(&format, nullptr, iso_vdb_write_level_set);
+ISO_MODULE(&format, nullptr, iso_vdb_write_level_set, read_colors);

@@ -615,4 +615,4 @@ const iso_format format = {"vti", "VTK", nullptr, vti_info, vti_read, nullptr};
 
 } // namespace
 
-ISO_MODULE(&format, nullptr, nullptr);
+ISO_MODULE(&format, nullptr, nullptr, nullptr);

@@ -128,7 +128,7 @@ openvdb::Vec3f linear_color(uint32_t color, const uint8_t own[3]) {
     openvdb::Vec3f linear;
     for (int k = 0; k < 3; k++)
         linear[k] = static_cast<float>(
-            iso_srgb_decode((own[k] * (255 - amount) + (color >> 8 * k & 255) * amount) / 255.0));
+            iso_srgb_decode((own[k] * (255 - amount) + (color >> 8 * k & 255) * amount) / (255.0 * 255)));
     return linear;
 }
 

@@ -26,13 +26,17 @@ extern "C" {
 #endif
 
 /* Increase this if a type that modules share with the library changes between two releases. */
-#define ISO_MODULE_ABI 12
+#define ISO_MODULE_ABI 13
 
 struct iso_level_set_colors;
 /* Writes an hgrid to `stream`, as iso_level_set_put_vdb; `path` is for messages. */
 typedef iso_status iso_level_set_writer(FILE *stream, const char *path, const iso_hgrid *grid,
                                         const char *name, const struct iso_level_set_colors *colors,
                                         const iso_progress *progress, iso_error *error);
+
+/* Reads the colours of a file, as iso_level_set_read_colors. */
+typedef iso_status iso_color_reader(const char *path, const iso_volume_opts *opts,
+                                    const iso_color_receiver *to, iso_error *error);
 
 /* The table of a module; functions that it does not have are NULL. */
 typedef struct iso_module {
@@ -41,6 +45,7 @@ typedef struct iso_module {
     const iso_format *format;
     iso_dicom_decoder *dicom_decode;
     iso_level_set_writer *write_level_set;
+    iso_color_reader *read_colors;
     const iso_message_passing *messages;
     const iso_remote *remote;
 } iso_module;
@@ -52,10 +57,10 @@ typedef struct iso_module {
 #endif
 
 /* Defines the one symbol that a module exports. ISO_VERSION comes from the build. */
-#define ISO_MODULE(format, dicom_decode, write_level_set)                                                    \
+#define ISO_MODULE(format, dicom_decode, write_level_set, read_colors)                                       \
     ISO_MODULE_EXTERN const iso_module iso_module_table;                                                     \
     const iso_module iso_module_table = {ISO_MODULE_ABI,  ISO_VERSION, format, dicom_decode,                 \
-                                         write_level_set, 0,           0}
+                                         write_level_set, read_colors, 0,      0}
 
 /* Loads module `name` and returns its table, which stays valid. `path` is the file that needs it and
  * `library` the library that it uses, both for messages. ISO_ERR_UNSUPPORTED: the module or a library is not

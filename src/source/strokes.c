@@ -52,14 +52,21 @@ void iso_strokes_close(iso_strokes *strokes) {
     *strokes = (iso_strokes){.session = NULL};
 }
 
-iso_status iso_strokes_play(const char *path, const iso_source *how, iso_hgrid **grid, iso_error *error) {
+iso_status iso_strokes_play(const char *path, const iso_source *how, iso_hgrid **grid, iso_cell_items *paint,
+                            iso_error *error) {
     iso_strokes strokes;
     iso_grid copy = {.hgrid = NULL};
+    *paint = (iso_cell_items){.cell = NULL};
     iso_status status = iso_strokes_open(path, how, &strokes, error);
     if (status == ISO_OK) status = iso_strokes_finish(&strokes, error);
     if (status == ISO_OK) {
         const iso_grid played = {.hgrid = iso_session_grid(strokes.session)};
         status = iso_grid_copy(&played, how->pool, &copy, error);
+    }
+    if (status == ISO_OK) status = iso_cell_items_copy(iso_session_paint(strokes.session), paint, error);
+    if (status != ISO_OK) {
+        iso_grid_destroy(&copy);
+        copy.hgrid = NULL;
     }
     iso_strokes_close(&strokes);
     *grid = copy.hgrid;

@@ -30,7 +30,9 @@ iso_status iso_strokes_finish(iso_strokes *strokes, iso_error *error);
 
 void iso_strokes_close(iso_strokes *strokes);
 
-/* Plays a whole stroke file. The caller owns *grid. Errors: those above. */
-iso_status iso_strokes_play(const char *path, const iso_source *how, iso_hgrid **grid, iso_error *error);
+/* Plays a whole stroke file. The caller owns *grid, and *paint, which is overwritten: the paint of the grid's
+ * cells, for iso_cell_items_free. Errors: those above; then there is neither. */
+iso_status iso_strokes_play(const char *path, const iso_source *how, iso_hgrid **grid, iso_cell_items *paint,
+                            iso_error *error);
 
 #endif

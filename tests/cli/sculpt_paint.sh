@@ -1,4 +1,4 @@
-# A coloured bear: strokes get colours by --edit, and the mesh and the level set have them; without colours the outputs are as ever.
+# A coloured bear: strokes get colours by --edit, and the mesh, the level set and isorender's pictures have them; without colours the outputs are as ever.
 bear="$volumes/bear.strokes"
 isosculpt --replay "$bear" --headless --quiet --edit 1-31:color=#8c5a32 --edit 7:color=#201814 --mesh brown.ply \
     --output brown.vdb --save-strokes brown.strokes
@@ -28,6 +28,36 @@ expect(sum(c == (206, 142, 112) for c in brown) > 100, "where nothing was drawn 
 expect(b"COLOR_0" in open("brown.glb", "rb").read(), "colours in .glb")
 vertex = next(line for line in open("brown.obj") if line.startswith("v "))
 expect(len(vertex.split()) == 7, vertex)
+P
+# isorender draws strokes with their paint: a sample has the light of the plain bear, in one of its colours or between them
+for color in 8C5A32 201814 CE8E70; do
+    isorender plain.vdb --color $color --samples 1 --resolution 300x300 -o plain-$color.png --quiet
+done
+isorender brown.strokes --color CE8E70 --samples 1 --resolution 300x300 -o brown.png --mesh drawn.ply --quiet
+isorender brown.strokes --color CE8E70 --samples 1 --resolution 300x300 --method discs -o discs.png --quiet
+isorender brown.vdb --samples 1 --resolution 300x300 -o level-set.png --mesh level-set.ply --quiet
+isorender brown.vdb --color CE8E70 --samples 1 --resolution 300x300 -o without.png --quiet
+isorender brown.strokes --opacity 0.5 --method splats --resolution 300x300 -o glassy.png 2>message
+grep -q "note: drawn without its paint: --method splats" message
+python3 - <<'P'
+from check import *
+plain = [Png("plain-%s.png" % name).pixels() for name in ("8C5A32", "201814", "CE8E70")]
+solid = [i for i in range(len(plain[0])) if plain[0][i] != plain[2][i]]
+drawn = Png("brown.png").pixels()
+counts = [sum(drawn[i] == colored[i] for i in solid) for colored in plain]
+expect(counts[0] > 0.7 * len(solid) and counts[1] > 50 and counts[2] > 0.05 * len(solid), counts, len(solid))
+expect(all(min(c[i][k] for c in plain) <= drawn[i][k] <= max(c[i][k] for c in plain) for i in solid for k in range(3)),
+       "colours that are none between those painted")
+expect(all(p[0] - p[2] < 45 for p in Png("glassy.png").pixels()), "brown splats")
+expect(Png("without.png").pixels() == plain[2], "--color is instead of the colours of a .vdb")
+level_set = Png("level-set.png").pixels()
+off = sorted(max(abs(a - b) for a, b in zip(level_set[i], drawn[i])) for i in solid)
+expect(off[-1] <= 2, "the .vdb is drawn in the colours of the strokes", off[-20:])
+discs = Png("discs.png").pixels()
+near = sum(max(abs(a - b) for a, b in zip(discs[i], drawn[i])) <= 12 for i in solid)
+expect(near > 0.9 * len(solid), "discs", near, len(solid))
+body = [open(name, "rb").read().split(b"end_header\n", 1)[1] for name in ("drawn.ply", "brown.ply")]
+expect(body[0] == body[1], "isorender's mesh has the colours of isosculpt's")
 P
 code=0
 isosculpt --replay "$bear" --headless --edit 1:color=ochreish --mesh no.ply 2>message || code=$?

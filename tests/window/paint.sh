@@ -11,6 +11,15 @@ cd "$work" || exit 1
 last_color() { grep '"event":"begin"' "$journal" | tail -1 | grep -o '"color":"#[0-9a-f]*"' | cut -d'"' -f4; }
 # has_color NAME R G B BOX N: whether the picture shows the colour in the box
 has_color() { look color "$@" >/dev/null; }
+# save_as NAME
+save_as() {
+    until_ "the browser" eval 'key ctrl+shift+s; is_modal'
+    xdotool key --delay 50 ctrl+a
+    xdotool type --delay 30 "$1"
+    xdotool sleep 0.3 key Return
+    until_ "$1" test -s "$1"
+    until_ "the title of the saved file" title_is ": $1\$"
+}
 MIDDLE=440,350,536,450
 
 start
@@ -51,13 +60,16 @@ stroke 540 520 10 0
 picture painted
 cp "$journal" before.strokes
 
+# ---- isorender draws what the window shows, from a saved .vdb (if OpenVDB is there)
+if "$bin/isosculpt" --replay "$journal" --headless --quiet --output probe.vdb; then
+    save_as painted.vdb
+    picture saved
+    "$bin/isorender" --again saved.png -o again.png --quiet || fail "saved.png: its scene cannot be drawn"
+    look near saved.png again.png 1 || fail "saved.png: isorender draws another picture than the window's"
+fi
+
 # ---- what is exported is what the journal gives, with colours
-until_ "the browser" eval 'key ctrl+shift+s; is_modal'
-xdotool key --delay 50 ctrl+a
-xdotool type --delay 30 painted.ply
-xdotool sleep 0.3 key Return
-until_ "painted.ply" test -s painted.ply
-until_ "the title of the saved file" title_is ': painted.ply$'
+save_as painted.ply
 "$bin/isosculpt" --replay "$journal" --headless --quiet --mesh replayed.ply || fail "--replay"
 cmp painted.ply replayed.ply || fail "the saved mesh is not that of the journal"
 grep -aq "property uchar red" painted.ply || fail "the mesh has no colours"

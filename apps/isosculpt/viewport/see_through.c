@@ -46,7 +46,7 @@ bool isosculpt_viewport_has_light(const isosculpt_viewport *viewport) {
 }
 
 bool isosculpt_viewport_is_painted(const isosculpt_viewport *viewport) {
-    return !viewport->lod && isosculpt_painted_any(&viewport->painted);
+    return !viewport->lod && iso_painted_any(&viewport->painted);
 }
 
 iso_method isosculpt_viewport_method(const isosculpt_viewport *viewport) {

@@ -44,7 +44,7 @@ iso_status isosculpt_shown_list(isosculpt_viewport *viewport, iso_method method,
     if (isosculpt_viewport_is_painted(viewport) && iso_method_can(method, ISO_CAN_COLORS)) {
         s->painted = viewport->painted;
         s->painted.own = viewport->mode.material.color;
-        s->paint = isosculpt_painted_coloring(&s->painted);
+        s->paint = iso_painted_coloring(&s->painted);
         s->surfaces[0].coloring = &s->paint;
     }
     for (int i = 0; i < count; i++) {

@@ -16,7 +16,7 @@ typedef struct isosculpt_shown {
     iso_clip clips[ISOSCULPT_SURFACES];
     iso_capped solids[ISOSCULPT_SURFACES];
     iso_rgb colors[ISOSCULPT_SURFACES];
-    isosculpt_painted painted;
+    iso_painted painted;
     iso_coloring paint;
     iso_cut_caps caps;
     iso_shading shading;

@@ -13,7 +13,6 @@
 #include "apps/isosculpt/viewport/damage.h"
 #include "apps/isosculpt/viewport/gl.h"
 #include "apps/isosculpt/viewport/lod.h"
-#include "apps/isosculpt/viewport/painted.h"
 #include "apps/isosculpt/viewport/shading.h"
 #include "exact/exact.h"
 #include "extract/mesh/mesh.h"
@@ -24,6 +23,7 @@
 #include "render/view/gbuffer.h"
 #include "scene/method.h"
 #include "scene/occluders.h"
+#include "scene/painted.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -116,7 +116,7 @@ typedef struct isosculpt_viewport {
     iso_camera camera;
     isosculpt_display_mode mode;
     isosculpt_mask mask;
-    isosculpt_painted painted;         /* of a field; `own` is the material's colour */
+    iso_painted painted;               /* of a field; `own` is the material's colour */
     double isovalue;                   /* physical; for volumes set by isosculpt_viewport_set_isovalue */
     isosculpt_see_through see_through; /* for volumes; ignored for fields */
     isosculpt_cut cut;                 /* @1 and @2 name the surface and the second one */

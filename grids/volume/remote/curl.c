@@ -211,4 +211,4 @@ static iso_status remote_copy(const char *url, FILE *stream, iso_error *error) {
 static const iso_remote remote = {remote_read, remote_copy};
 
 ISO_MODULE_EXTERN const iso_module iso_module_table;
-const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, NULL, NULL, NULL, NULL, &remote};
+const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, NULL, NULL, NULL, NULL, NULL, &remote};

@@ -40,6 +40,9 @@ void iso_session_destroy(iso_session *session);
 
 iso_hgrid *iso_session_grid(iso_session *session);                    /* borrowed; not to be written */
 const iso_field_items *iso_session_items(const iso_session *session); /* borrowed: mask and paint */
+static inline const iso_cell_items *iso_session_paint(const iso_session *session) {
+    return &iso_session_items(session)->of[ISO_ITEM_PAINT];
+}
 /* Which voxels have changed their colours; borrowed. A snapshot that replaces the whole field is not in it.
  */
 const iso_change_log *iso_session_paint_log(const iso_session *session);

@@ -1,0 +1,75 @@
+/* Looks colours up in the paint of a field. */
+#include "scene/painted.h"
+
+#include <string.h>
+
+iso_painted iso_painted_make(const iso_cell_items *paint, const iso_hgrid *field, iso_rgb own) {
+    iso_painted painted = {.affine = iso_transform_affine(&field->transform), .own = own};
+    painted.view.paint = paint;
+    memcpy(painted.view.cells, field->cells, sizeof painted.view.cells);
+    return painted;
+}
+
+static uint8_t blend(unsigned own, unsigned paint, unsigned amount) {
+    return (uint8_t)((own * (255 - amount) + paint * amount + 127) / 255);
+}
+
+iso_rgb iso_painted_color(const iso_painted *painted, iso_vec3 place) {
+    const iso_rgb own = painted->own;
+    const uint32_t color = iso_paint_at(&painted->view, iso_affine_point_to_index(&painted->affine, place));
+    const unsigned amount = iso_paint_amount(color);
+    return (iso_rgb){blend(own.r, color & 255, amount), blend(own.g, color >> 8 & 255, amount),
+                     blend(own.b, color >> 16 & 255, amount)};
+}
+
+/* iso_surface_colors.at. */
+static iso_rgb color_at(const void *context, const iso_colored_point *point, size_t *near) {
+    (void)near;
+    return iso_painted_color(context, point->place);
+}
+
+iso_coloring iso_painted_coloring(const iso_painted *painted) {
+    return (iso_coloring){.given = {color_at, painted}};
+}
+
+iso_level_set_colors iso_painted_voxels(const iso_painted *painted) {
+    const iso_rgb own = painted->own;
+    return (iso_level_set_colors){.cell = (const void *const *)painted->view.paint->cell,
+                                  .own = {own.r, own.g, own.b}};
+}
+
+/* ---- the colours of a .vdb file */
+
+/* What receives them. */
+typedef struct paint_reading {
+    iso_cell_items *paint;
+    iso_painted *painted;
+} paint_reading;
+
+/* iso_color_receiver.begin. */
+static iso_status begin(void *context, const iso_transform *transform, const int cells[3],
+                        const uint8_t own[3], iso_error *error) {
+    const paint_reading *r = context;
+    *r->painted = (iso_painted){
+        .view.paint = r->paint, .affine = iso_transform_affine(transform), .own = {own[0], own[1], own[2]}};
+    memcpy(r->painted->view.cells, cells, sizeof r->painted->view.cells);
+    return iso_cell_items_init(r->paint, "colours", (size_t)cells[0] * (size_t)cells[1] * (size_t)cells[2],
+                               sizeof(iso_paint_item), error);
+}
+
+/* iso_color_receiver.cell. */
+static iso_status add_cell(void *context, size_t cell, const uint32_t *colors, iso_error *error) {
+    const paint_reading *r = context;
+    return iso_cell_items_set(r->paint, cell, colors, error);
+}
+
+iso_status iso_painted_read(const char *path, const struct iso_volume_opts *opts, iso_cell_items *paint,
+                            iso_painted *painted, iso_error *error) {
+    paint_reading reading = {paint, painted};
+    const iso_color_receiver receiver = {&reading, begin, add_cell};
+    *paint = (iso_cell_items){.cell = NULL};
+    *painted = (iso_painted){.log = NULL};
+    const iso_status status = iso_level_set_read_colors(path, opts, &receiver, error);
+    if (status != ISO_OK) iso_cell_items_free(paint);
+    return status;
+}
