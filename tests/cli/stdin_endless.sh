@@ -9,7 +9,7 @@ refused() {
     rm said
     [ ! -e out.png ] || exit 1
 }
-endless | refused 3 "not a volume"
+endless | refused 3 "its first bytes are not those of a volume"
 { header "4000 4000 4000"; endless; } | refused 5 "max-memory"
 { printf '<VTKFile>'; endless; } | refused 5 "standard input: .*max-memory"
 { printf 'NRRD0004\ntype: nonsense\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n'; endless; } | refused 3 "standard input: "

@@ -48,6 +48,7 @@ const isosculpt_file_type *isosculpt_browser_types(isosculpt_purpose purpose) {
                      {.label = NULL}};
     static const isosculpt_file_type *const all[] = {NULL,      open, stamp,  colors,
                                                      distances, save, export, picture};
+    _Static_assert(sizeof all / sizeof *all == ISOSCULPT_PURPOSES, "types for each purpose");
     return all[purpose];
 }
 

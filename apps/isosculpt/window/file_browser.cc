@@ -12,9 +12,11 @@ static const char *title(isosculpt_purpose purpose) {
                                          "Open a file",
                                          "A mesh to add and carve with",
                                          "A volume to colour by",
+                                         "A volume or a mesh to measure distances from",
                                          "Save as",
                                          "Export a copy",
                                          "Save a picture"};
+    static_assert(sizeof titles / sizeof *titles == ISOSCULPT_PURPOSES, "a title for each purpose");
     return titles[purpose];
 }
 
@@ -23,9 +25,11 @@ static const char *verb(isosculpt_purpose purpose) {
                                         "Open (Enter)",
                                         "Take it (Enter)",
                                         "Take it (Enter)",
+                                        "Take it (Enter)",
                                         "Save (Enter)",
                                         "Export (Enter)",
                                         "Save (Enter)"};
+    static_assert(sizeof verbs / sizeof *verbs == ISOSCULPT_PURPOSES, "a verb for each purpose");
     return verbs[purpose];
 }
 

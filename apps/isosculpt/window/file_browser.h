@@ -21,7 +21,8 @@ typedef enum isosculpt_purpose {
     ISOSCULPT_BROWSE_DISTANCES, /* a volume or a mesh from which they are coloured by their distance */
     ISOSCULPT_BROWSE_SAVE,
     ISOSCULPT_BROWSE_EXPORT,
-    ISOSCULPT_BROWSE_PICTURE
+    ISOSCULPT_BROWSE_PICTURE,
+    ISOSCULPT_PURPOSES /* how many there are */
 } isosculpt_purpose;
 
 typedef struct isosculpt_entry {

@@ -20,7 +20,8 @@
 enum { ROOM = 1 << 17 };
 
 static iso_triangles mesh_make(void) {
-    iso_triangles mesh = {malloc(ROOM * sizeof *mesh.vertices), malloc(ROOM * sizeof *mesh.triangles), 0, 0};
+    iso_triangles mesh = {malloc(ROOM * sizeof *mesh.vertices), malloc(ROOM * sizeof *mesh.triangles), 0, 0,
+                          NULL};
     assert_non_null(mesh.vertices);
     assert_non_null(mesh.triangles);
     return mesh;

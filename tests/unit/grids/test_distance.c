@@ -214,7 +214,7 @@ static void distances_from_a_mesh_are_exact(void **state) {
     (void)state;
     float vertices[4][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}};
     uint32_t triangles[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-    const iso_triangles mesh = {vertices, triangles, 4, 4}, none = {vertices, triangles, 4, 0};
+    const iso_triangles mesh = {vertices, triangles, 4, 4, NULL}, none = {vertices, triangles, 4, 0, NULL};
     iso_distance *distance;
     size_t near = 0;
     assert_int_equal(iso_distance_of_mesh(&none, &distance, NULL), ISO_ERR_EMPTY);

@@ -606,7 +606,7 @@ static void make_boxes(const iso_glyphs *glyphs) {
                 }
                 triangles[at / 3][at % 3] = (uint32_t)at;
             }
-    const iso_triangles mesh = {vertices, triangles, at, at / 3};
+    const iso_triangles mesh = {vertices, triangles, at, at / 3, NULL};
     iso_triangle_spans_free(&spans);
     test_ok(iso_triangle_spans_make(&mesh, &spans, &error), &error);
 }

@@ -39,7 +39,7 @@ static void make_scene(scene *s) {
     }
     const iso_glyphs glyphs = {.positions = positions, .count = COUNT};
     const iso_lines lines = {.vertices = positions, .starts = starts, .vertex_count = COUNT, .line_count = 1};
-    const iso_triangles mesh = {positions, triangles, COUNT, COUNT / 3};
+    const iso_triangles mesh = {positions, triangles, COUNT, COUNT / 3, NULL};
     const iso_shapes_opts opts = {.glyph = ISO_GLYPH_SPHERE, .radius = 2};
     assert_int_equal(iso_shapes_from_glyphs(&glyphs, &opts, &s->shapes[0], NULL), ISO_OK);
     assert_int_equal(iso_shapes_from_lines(&lines, &opts, &s->shapes[1], NULL), ISO_OK);

@@ -146,7 +146,7 @@ static void elements_are_triangles_of_the_file(void **state) {
         assert_int_equal(iso_draw_mesh(&target, &mesh, NULL), ISO_OK);
         uint32_t wanted[40 * 40] = {0};
         for (size_t t = 0; t < ball.triangle_count; t++) {
-            iso_triangles single = {ball.vertices, ball.triangles + t, ball.vertex_count, 1};
+            iso_triangles single = {ball.vertices, ball.triangles + t, ball.vertex_count, 1, NULL};
             iso_triangle_spans alone = make_spans(&single);
             const iso_target apart = {.view = &view, .gbuffer = &one};
             const iso_mesh_view triangle = iso_triangle_spans_view(&alone);

@@ -200,7 +200,7 @@ static void make_mesh(iso_scene_object *object) {
         const uint32_t corners[2][3] = {{first, below, first + 1}, {first + 1, below, below + 1}};
         memcpy(triangles[2 * i], corners, sizeof corners);
     }
-    const iso_triangles mesh = {vertices, triangles, (ROUND + 1) * (ROUND + 1), 2 * ROUND * ROUND};
+    const iso_triangles mesh = {vertices, triangles, (ROUND + 1) * (ROUND + 1), 2 * ROUND * ROUND, NULL};
     assert_int_equal(iso_triangle_spans_make(&mesh, &object->spans, NULL), ISO_OK);
 }
 

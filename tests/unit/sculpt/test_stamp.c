@@ -21,7 +21,7 @@ typedef struct ball_mesh {
 static ball_mesh make_mesh(void) {
     enum { RINGS = 96, SLICES = 192 };
     ball_mesh ball = {{calloc((RINGS + 1) * SLICES, 3 * sizeof(float)),
-                       calloc(2 * RINGS * SLICES, 3 * sizeof(uint32_t)), (RINGS + 1) * SLICES, 0}};
+                       calloc(2 * RINGS * SLICES, 3 * sizeof(uint32_t)), (RINGS + 1) * SLICES, 0, NULL}};
     assert_non_null(ball.triangles.vertices);
     assert_non_null(ball.triangles.triangles);
     for (int i = 0; i <= RINGS; i++)
@@ -205,7 +205,7 @@ static void open_meshes_are_no_stamps(void **state) {
     iso_stamp *none;
     float vertices[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     uint32_t corners[1][3] = {{0, 1, 2}};
-    const iso_triangles open = {vertices, corners, 3, 1};
+    const iso_triangles open = {vertices, corners, 3, 1, NULL};
     iso_error error = {0};
     assert_int_equal(stamp_of("open.stl", &open, NULL, &none, &error), ISO_ERR_FORMAT);
     assert_non_null(strstr(error.text, "open.stl"));
