@@ -84,23 +84,47 @@ class Png:
             elif kind == b"IDAT":
                 packed += body
             at += 12 + length
-        self.rows = self._rows(zlib.decompress(packed))
+        self.lines = list(self._lines(zlib.decompress(packed)))
+        self._rows = None
 
-    def _rows(self, raw):
-        n, stride, rows, above = self.channels, self.width * self.channels, [], None
+    def _lines(self, raw):
+        """The bytes of each row, without their filters."""
+        n, stride = self.channels, self.width * self.channels
+        above = bytes(stride)
         for y in range(self.height):
-            kind, line = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
-            above = above or bytearray(stride)
-            for i in range(stride):
-                a = line[i - n] if i >= n else 0
-                b, c = above[i], above[i - n] if i >= n else 0
-                p = a + b - c
-                nearest = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
-                line[i] = (line[i] + (0, a, b, (a + b) // 2, nearest)[kind]) & 255
-            above = line
-            rows.append([self.palette[i] for i in line] if n == 1 else
-                        [tuple(line[i:i + n]) + ((255,) if n == 3 else ()) for i in range(0, stride, n)])
-        return rows
+            at = y * (stride + 1)
+            kind, line = raw[at], bytearray(raw[at + 1:at + 1 + stride])
+            if kind == 2: # up
+                line = bytearray([(v + b) & 255 for v, b in zip(line, above)])
+            elif kind: # sub, average, Paeth: each byte needs the one before it
+                line = bytearray(n) + line # beside the first pixel
+                edge = bytes(n) + above
+                for i in range(n, stride + n):
+                    a, b = line[i - n], edge[i]
+                    if kind == 1:
+                        line[i] = (line[i] + a) & 255
+                    elif kind == 3:
+                        line[i] = (line[i] + (a + b >> 1)) & 255
+                    else:
+                        c = edge[i - n]
+                        p, q = abs(b - c), abs(a - c)
+                        r = abs(a + b - c - c)
+                        line[i] = (line[i] + (a if p <= q and p <= r else b if q <= r else c)) & 255
+                del line[:n]
+            above = bytes(line)
+            yield above
+
+    def row(self, y):
+        n, line = self.channels, self.lines[y]
+        if n == 1:
+            return [self.palette[i] for i in line]
+        return list(zip(line[::n], line[1::n], line[2::n], line[3::n] if n == 4 else bytes([255]) * self.width))
+
+    @property
+    def rows(self):
+        if self._rows is None:
+            self._rows = [self.row(y) for y in range(self.height)]
+        return self._rows
 
     def pixels(self):
         return [pixel for row in self.rows for pixel in row]

@@ -20,13 +20,14 @@ def is_near(a, b):
 
 
 def modal(path):
-    return max(Png(path).rows[790][1270][:3]) < 40
+    return max(Png(path).row(790)[1270][:3]) < 40
 
 
 def color(path, r, g, b, box, count):
     x0, y0, x1, y1 = (int(v) for v in box.split(","))
     wanted = (int(r), int(g), int(b))
-    found = sum(is_near(pixel[:3], wanted) for row in Png(path).rows[y0:y1] for pixel in row[x0:x1])
+    png = Png(path)
+    found = sum(is_near(pixel[:3], wanted) for y in range(y0, min(y1, png.height)) for pixel in png.row(y)[x0:x1])
     print(found)
     return found >= int(count)
 
@@ -55,21 +56,27 @@ def smooth(path, box):
     return edges > 100 and 2 * mixed >= edges
 
 
+def differing_rows(first, second):
+    """The numbers of rows of which any pixel may differ."""
+    alike = first.channels == second.channels != 1
+    return [y for y in range(min(first.height, second.height)) if not alike or first.lines[y] != second.lines[y]]
+
+
 def same(a, b, count, box="0,0,100000,100000"):
     first, second = Png(a), Png(b)
     x0, y0, x1, y1 = (int(v) for v in box.split(","))
-    rows = zip(first.rows[y0:y1], second.rows[y0:y1])
-    differ = sum(p != q for r, s in rows for p, q in zip(r[x0:x1], s[x0:x1]))
+    rows = [y for y in differing_rows(first, second) if y0 <= y < y1]
+    differ = sum(p != q for y in rows for p, q in zip(first.row(y)[x0:x1], second.row(y)[x0:x1]))
     print(differ, "pixels differ")
-    return len(first.rows) == len(second.rows) and len(first.rows[0]) == len(second.rows[0]) and differ <= int(count)
+    return (first.width, first.height) == (second.width, second.height) and differ <= int(count)
 
 
 def near(a, b, most):
     first, second = Png(a), Png(b)
-    rows = zip(first.rows, second.rows)
-    largest = max(abs(x - y) for r, s in rows for p, q in zip(r, s) for x, y in zip(p, q))
+    rows = differing_rows(first, second)
+    largest = max((abs(x - y) for i in rows for p, q in zip(first.row(i), second.row(i)) for x, y in zip(p, q)), default=0)
     print("differ by", largest)
-    return len(first.rows) == len(second.rows) and largest <= int(most)
+    return (first.width, first.height) == (second.width, second.height) and largest <= int(most)
 
 
 sys.exit(not {"modal": modal, "color": color, "box": box, "smooth": smooth, "same": same, "near": near}[sys.argv[1]](*sys.argv[2:]))
