@@ -231,8 +231,10 @@ static iso_status play_from_newest(iso_session *session, const journal_contents 
     iso_status status = from ? iso_hgrid_crop(session->grid, lo, hi, &initial, error) : ISO_OK;
     for (int tries = 1; status == ISO_OK; from = tries++ < ISO_LIMIT_CHECKPOINTS ? from - 1 : 0) {
         status = play_from_checkpoint(session, found, from, progress, error);
-        if (status == ISO_OK || from == 0 || iso_progress_cancelled(progress)) break;
-        status = reset_to(session, initial, error);
+        if (status == ISO_OK || from == 0) break;
+        status = iso_progress_cancelled(progress)
+                     ? iso_fail(error, ISO_ERR_IO, "%s: cancelled", session->journal_path)
+                     : reset_to(session, initial, error);
     }
     iso_hgrid_destroy(initial);
     return status;
