@@ -20,6 +20,7 @@ ply("plain.ply", "uchar", (), [()] * 4)
 ply("bytes.ply", "uchar", RGB, [one] * 4)
 ply("diffuse.ply", "uchar", ("diffuse_red", "diffuse_green", "diffuse_blue"), [one] * 4)
 ply("floats.ply", "float", RGB, [[v / 255 for v in one]] * 4)
+ply("large.ply", "float", RGB, [(192, 128, 1)] * 4) # as bytes: 1 is nearly black
 obj("rows.obj", [[v / 255 for v in one]] * 4)
 obj("some.obj", [[v / 255 for v in one]] * 3 + [()])
 ply("two.ply", "uchar", RGB, [(255, 0, 0), (0, 0, 255), (0, 0, 255), (255, 0, 0)])
@@ -38,6 +39,9 @@ done
 same own plain no
 draw some.obj own # not all vertices have one
 same own plain yes
+draw large.ply own
+draw plain.ply given --surface-color c08001
+same own given yes
 draw bytes.ply own --surface-color gold
 draw plain.ply given --surface-color gold
 same own given yes

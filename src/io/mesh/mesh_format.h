@@ -16,9 +16,10 @@ typedef struct iso_mesh_reading {
     const char *path;
     iso_buffer vertices, triangles; /* three floats, and three uint32_t each */
     size_t vertex_count, triangle_count;
-    iso_buffer colors; /* of vertices, three bytes each */
+    iso_buffer colors; /* of vertices, three floats each, as they are stored */
     size_t color_count;
-    iso_buffer fans; /* of iso_fan */
+    bool real_colors; /* stored as real numbers */
+    iso_buffer fans;  /* of iso_fan */
     size_t fan_count;
     const iso_progress *progress; /* measured by the position in rows, ply or file */
     FILE *file;
@@ -37,8 +38,8 @@ typedef struct iso_mesh_polygon {
 
 /* Adds a vertex. ISO_ERR_FORMAT: it is not finite; ISO_ERR_LIMIT, ISO_ERR_NOMEM; ISO_ERR_IO: cancelled. */
 iso_status iso_mesh_add_vertex(iso_mesh_reading *r, const double p[3], iso_error *error);
-/* Gives a colour, 0 .. 255, to the vertex that was added last. Meshes have colours if all vertices have one.
- * ISO_ERR_NOMEM. */
+/* Gives a colour to the vertex that was added last, as it is stored: iso_polydata_color_factor finds its scale.
+ * Meshes have colours if all vertices have one. ISO_ERR_NOMEM. */
 iso_status iso_mesh_add_color(iso_mesh_reading *r, const double rgb[3], iso_error *error);
 /* Adds a triangle; vertices are numbered from 0. The numbers are checked at the end, because faces may
  * precede their vertices. ISO_ERR_NOMEM; ISO_ERR_IO: cancelled. */

@@ -8,6 +8,7 @@
 #include "base/file_types.h"
 #include "io/common/encode.h"
 #include "io/mesh/mesh_format.h"
+#include "io/polydata/polydata.h"
 
 /* Number of vertices or triangles between two reports of progress. */
 enum { TELL = 1 << 14 };
@@ -38,12 +39,30 @@ iso_status iso_mesh_add_vertex(iso_mesh_reading *r, const double p[3], iso_error
 }
 
 iso_status iso_mesh_add_color(iso_mesh_reading *r, const double rgb[3], iso_error *error) {
-    const size_t bytes = 3 * r->color_count;
+    const size_t one = 3 * sizeof(float), bytes = one * r->color_count;
     if (r->color_count + 1 != r->vertex_count) return ISO_OK; /* one before it has none */
-    ISO_TRY(iso_buffer_reserve(&r->colors, bytes + 3, bytes, error));
-    uint8_t *out = (uint8_t *)r->colors.data + 3 * r->color_count++;
-    for (int k = 0; k < 3; k++) out[k] = (uint8_t)(rgb[k] >= 255 ? 255 : rgb[k] > 0 ? rgb[k] + 0.5 : 0);
+    ISO_TRY(iso_buffer_reserve(&r->colors, bytes + one, bytes, error));
+    float *out = (float *)r->colors.data + 3 * r->color_count++;
+    for (int k = 0; k < 3; k++) out[k] = (float)rgb[k];
     return ISO_OK;
+}
+
+/* Colours of all vertices as bytes, in the place of the numbers; NULL: there are none. */
+static uint8_t (*take_colors(iso_mesh_reading *r))[3] {
+    const float *from = r->colors.data;
+    uint8_t *to = r->colors.data;
+    float most = 0;
+    if (!r->color_count || r->color_count < r->vertex_count) {
+        iso_buffer_free(&r->colors);
+        return NULL;
+    }
+    for (size_t i = 0; i < 3 * r->color_count; i++) most = fmaxf(most, from[i]);
+    const float factor = iso_polydata_color_factor(most, r->real_colors);
+    for (size_t i = 0; i < 3 * r->color_count; i++) {
+        const float value = factor * from[i]; /* a byte is written where numbers were read before */
+        to[i] = (uint8_t)(value >= 255 ? 255 : value > 0 ? value + 0.5f : 0);
+    }
+    return r->colors.data;
 }
 
 iso_status iso_mesh_add_triangle(iso_mesh_reading *r, uint32_t a, uint32_t b, uint32_t c, iso_error *error) {
@@ -122,14 +141,14 @@ iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_tri
     iso_text_rows_free(&r.rows);
     if (status == ISO_OK) status = finish_mesh(&r, error);
     iso_buffer_free(&r.fans);
-    if (status != ISO_OK || r.color_count < r.vertex_count) iso_buffer_free(&r.colors);
     if (status != ISO_OK) {
+        iso_buffer_free(&r.colors);
         iso_buffer_free(&r.vertices);
         iso_buffer_free(&r.triangles);
         return status;
     }
     *mesh =
-        (iso_triangles){r.vertices.data, r.triangles.data, r.vertex_count, r.triangle_count, r.colors.data};
+        (iso_triangles){r.vertices.data, r.triangles.data, r.vertex_count, r.triangle_count, take_colors(&r)};
     return ISO_OK;
 }
 

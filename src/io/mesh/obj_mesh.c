@@ -20,17 +20,16 @@ static iso_status read_obj_face(iso_mesh_reading *r, char *text, iso_error *erro
     return iso_mesh_end_polygon(r, &face, error);
 }
 
-/* A vertex may have a colour behind it, 0 .. 1, which is no part of the format: most programs write it so. */
+/* A vertex may have a colour behind it, which is no part of the format: most programs write it so. */
 static iso_status read_obj_vertex(iso_mesh_reading *r, char *text, iso_error *error) {
     double p[3], rgb[3];
     for (int axis = 0; axis < 3; axis++)
         if (!iso_row_number(&text, "", &p[axis]))
             return iso_fail(error, ISO_ERR_FORMAT, "%s: line %zu: not a vertex", r->path, r->rows.number);
     ISO_TRY(iso_mesh_add_vertex(r, p, error));
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; k++)
         if (!iso_row_number(&text, "", &rgb[k])) return ISO_OK;
-        rgb[k] *= 255;
-    }
+    r->real_colors = true;
     return iso_mesh_add_color(r, rgb, error);
 }
 

@@ -5,12 +5,6 @@
 
 enum { POLYGON_MOST = 1 << 16 };
 
-/* Bytes are as they are; real numbers are 0 .. 1, or as bytes if one is greater. */
-static double color_of(const iso_ply_property *property, double value) {
-    const bool real = property->type == ISO_PLY_FLOAT32 || property->type == ISO_PLY_FLOAT64;
-    return real && value <= 1 ? 255 * value : value;
-}
-
 static iso_status read_ply_vertex(iso_mesh_reading *r, iso_ply *ply, const iso_ply_element *element,
                                   iso_error *error) {
     static const char *const names[3] = {"x", "y", "z"};
@@ -22,8 +16,10 @@ static iso_status read_ply_vertex(iso_mesh_reading *r, iso_ply *ply, const iso_p
     for (int i = 0; i < element->property_count; i++)
         for (int k = 0; k < 3 && !property[i].is_list; k++) {
             if (strcmp(property[i].name, names[k]) == 0) p[k] = value[i];
-            if (strcmp(property[i].name, colors[0][k]) == 0 || strcmp(property[i].name, colors[1][k]) == 0)
-                rgb[k] = color_of(&property[i], value[i]);
+            if (strcmp(property[i].name, colors[0][k]) == 0 || strcmp(property[i].name, colors[1][k]) == 0) {
+                rgb[k] = value[i];
+                r->real_colors |= property[i].type == ISO_PLY_FLOAT32 || property[i].type == ISO_PLY_FLOAT64;
+            }
         }
     ISO_TRY(iso_mesh_add_vertex(r, p, error));
     return isnan(rgb[0] + rgb[1] + rgb[2]) ? ISO_OK : iso_mesh_add_color(r, rgb, error);
