@@ -38,8 +38,8 @@ typedef struct iso_mesh_polygon {
 
 /* Adds a vertex. ISO_ERR_FORMAT: it is not finite; ISO_ERR_LIMIT, ISO_ERR_NOMEM; ISO_ERR_IO: cancelled. */
 iso_status iso_mesh_add_vertex(iso_mesh_reading *r, const double p[3], iso_error *error);
-/* Gives a colour to the vertex that was added last, as it is stored: iso_polydata_color_factor finds its scale.
- * Meshes have colours if all vertices have one. ISO_ERR_NOMEM. */
+/* Gives a colour to the vertex that was added last, as it is stored: iso_polydata_color_factor finds its
+ * scale. Meshes have colours if all vertices have one. ISO_ERR_NOMEM. */
 iso_status iso_mesh_add_color(iso_mesh_reading *r, const double rgb[3], iso_error *error);
 /* Adds a triangle; vertices are numbered from 0. The numbers are checked at the end, because faces may
  * precede their vertices. ISO_ERR_NOMEM; ISO_ERR_IO: cancelled. */
