@@ -111,6 +111,16 @@ void iso_gl_engine_ensure_storage(iso_gl_engine *engine, iso_gl_storage which, s
     engine->storage_bytes[which] = bytes;
 }
 
+iso_status iso_gl_engine_provide_storage(iso_gl_engine *engine, iso_gl_storage which, unsigned slot,
+                                         size_t bytes, const char *what, iso_error *error) {
+    if (bytes > engine->max_storage)
+        return iso_fail(error, ISO_ERR_LIMIT, "%s: %s storage buffers of %zu bytes, and %s has %zu at most",
+                        engine->context->name, what, bytes, engine->context->renderer, engine->max_storage);
+    iso_gl_engine_ensure_storage(engine, which, bytes);
+    engine->context->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, slot, engine->storage[which]);
+    return ISO_OK;
+}
+
 /* ---- the framebuffer */
 
 unsigned iso_gl_make_texture(const GladGLContext *gl, unsigned format, int width, int height) {

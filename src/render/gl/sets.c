@@ -85,14 +85,7 @@ static void set_uniforms(sets_call *call, const iso_pullpush_params *params) {
 /* Makes a buffer of some bytes, and binds it to a slot. ISO_ERR_LIMIT. */
 static iso_status provide(sets_call *call, iso_gl_storage which, GLuint slot, size_t bytes,
                           iso_error *error) {
-    iso_gl_engine *engine = call->engine;
-    if (bytes > engine->max_storage)
-        return iso_fail(error, ISO_ERR_LIMIT,
-                        "%s: --one-pyramid needs storage buffers of %zu bytes, and %s has %zu at most",
-                        engine->context->name, bytes, engine->context->renderer, engine->max_storage);
-    iso_gl_engine_ensure_storage(engine, which, bytes);
-    call->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, slot, engine->storage[which]);
-    return ISO_OK;
+    return iso_gl_engine_provide_storage(call->engine, which, slot, bytes, "--one-pyramid needs", error);
 }
 
 /* Uploads what the passes over a strip read, and binds the buffers. */

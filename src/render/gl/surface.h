@@ -155,6 +155,10 @@ unsigned iso_gl_make_texture(const GladGLContext *gl, unsigned format, int width
 
 /* Makes a storage buffer at least this large; its contents are lost when it has to grow. */
 void iso_gl_engine_ensure_storage(iso_gl_engine *engine, iso_gl_storage which, size_t bytes);
+/* The same, and binds the buffer to a slot of the shaders. `what` is what needs it, for the message.
+ * ISO_ERR_LIMIT: the driver's buffers are smaller. */
+iso_status iso_gl_engine_provide_storage(iso_gl_engine *engine, iso_gl_storage which, unsigned slot,
+                                         size_t bytes, const char *what, iso_error *error);
 
 /* Draws surfaces into the engine's framebuffer, and leaves them there: row by row as in a picture, infinite
  * depths where nothing is. The context must be current. ISO_ERR_LIMIT: the view is too large for it;
