@@ -58,20 +58,46 @@ iso_status iso_level_set_around(const char *path, const iso_box *box, const iso_
     return iso_hgrid_create(dims, 0, &transform, grid, error);
 }
 
+/* Whether no voxel on the grid's border is inside: then everything beyond it is outside. */
+static bool ends_within(const iso_hgrid *from) {
+    const int *n = from->dims;
+    for (int z = 0; z < n[2]; z++)
+        for (int y = 0; y < n[1]; y++) {
+            const bool whole = z == 0 || y == 0 || z == n[2] - 1 || y == n[1] - 1;
+            for (int x = 0; x < n[0]; x += whole || x == n[0] - 1 ? 1 : n[0] - 1)
+                if (iso_hgrid_at(from, x, y, z) < 0) return false;
+        }
+    return true;
+}
+
+/* The value at a voxel of `from`, or beyond it: there the distance of the nearest voxel, and if `grows` that
+ * from it on top. */
+static float value_beyond(const iso_hgrid *from, const int at[3], bool grows) {
+    int near[3];
+    double square = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        near[axis] = iso_clamp_index(at[axis], from->dims[axis]);
+        square += (double)(at[axis] - near[axis]) * (at[axis] - near[axis]);
+    }
+    const float value = iso_hgrid_at(from, near[0], near[1], near[2]);
+    return grows && square > 0 ? fminf(value + (float)sqrt(square), from->band) : value;
+}
+
 /* Reads the values of a cell of the result, which begins at voxel `first` of `from`. Returns whether the cell
  * needs a brick. */
-static bool read_cell(const iso_hgrid *from, const int first[3], float values[ISO_BRICK_VOXELS]) {
+static bool read_cell(const iso_hgrid *from, const int first[3], bool grows, float values[ISO_BRICK_VOXELS]) {
     bool mixed = false;
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
-        values[i] = iso_hgrid_at(from, iso_clamp_index(first[0] + i % ISO_BRICK, from->dims[0]),
-                                 iso_clamp_index(first[1] + i / ISO_BRICK % ISO_BRICK, from->dims[1]),
-                                 iso_clamp_index(first[2] + i / ISO_BRICK / ISO_BRICK, from->dims[2]));
+        const int at[3] = {first[0] + i % ISO_BRICK, first[1] + i / ISO_BRICK % ISO_BRICK,
+                           first[2] + i / ISO_BRICK / ISO_BRICK};
+        values[i] = value_beyond(from, at, grows);
         mixed |= values[i] != values[0];
     }
     return mixed || fabsf(values[0]) < from->band;
 }
 
 static iso_status copy_cells(const iso_hgrid *from, const int offset[3], iso_hgrid *grid, iso_error *error) {
+    const bool grows = ends_within(from);
     int at[3];
     for (at[2] = 0; at[2] < grid->cells[2]; at[2]++)
         for (at[1] = 0; at[1] < grid->cells[1]; at[1]++)
@@ -79,7 +105,7 @@ static iso_status copy_cells(const iso_hgrid *from, const int offset[3], iso_hgr
                 float values[ISO_BRICK_VOXELS], *brick;
                 int first[3];
                 for (int axis = 0; axis < 3; axis++) first[axis] = ISO_BRICK * at[axis] - offset[axis];
-                bool full = read_cell(from, first, values);
+                bool full = read_cell(from, first, grows, values);
                 iso_hgrid_coalesce(grid, at[0], at[1], at[2],
                                    values[0] < 0 ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE);
                 if (!full) continue;

@@ -107,7 +107,8 @@ iso_status iso_level_set_from_grid(const char *path, const iso_grid *from, const
                                    iso_hgrid **grid, iso_error *error);
 
 /* Creates a grid of `dims` voxels whose voxel i is voxel i - offset of `from`, at the same world position.
- * Beyond `from` its outermost voxels are repeated. Errors: those of iso_hgrid_create. */
+ * Beyond `from` its outermost voxels are repeated; if none of them is inside, so that the surface ends within
+ * `from`, the distance from them is added. Errors: those of iso_hgrid_create. */
 iso_status iso_level_set_resize(const iso_hgrid *from, const int offset[3], const int dims[3],
                                 iso_hgrid **out, iso_error *error);
 

@@ -470,15 +470,12 @@ iso_status isorender_colorings_see(isorender_job *job, iso_error *error) {
 
 /* ---- exports, bars, reports */
 
-iso_status isorender_colorings_export(const isorender_job *job, const isorender_surface *colored,
-                                      iso_weld *weld, iso_error *error) {
-    const iso_scene_surface *surface = &colored->scene;
-    if (!surface->coloring) return ISO_OK;
-    if (surface->coloring->source == ISO_COLOR_BY_DEPTH) {
-        isorender_log(job, "note: --mesh gets no colours by depth, which are of a picture");
-        return ISO_OK;
-    }
-    return iso_coloring_weld(surface->coloring, iso_grid_transform(&surface->grid), job->pool, weld, error);
+const iso_coloring *isorender_colorings_exported(const isorender_job *job, const isorender_surface *colored,
+                                                 const char *option) {
+    const iso_coloring *coloring = colored->scene.coloring;
+    if (!coloring || coloring->source != ISO_COLOR_BY_DEPTH) return coloring;
+    isorender_log(job, "note: %s gets no colours by depth, which are of a picture", option);
+    return NULL;
 }
 
 int isorender_colorings_bars(const isorender_job *job, iso_color_bar bars[ISORENDER_COLORINGS]) {

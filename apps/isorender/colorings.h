@@ -22,9 +22,10 @@ iso_status isorender_colorings_make(isorender_job *job, iso_error *error);
 /* Sets the ranges of depth, of the first camera. ISO_ERR_NOMEM. */
 iso_status isorender_colorings_see(isorender_job *job, iso_error *error);
 
-/* Gives the vertices of a surface's exported mesh their colours, if it is coloured. ISO_ERR_NOMEM. */
-iso_status isorender_colorings_export(const isorender_job *job, const isorender_surface *surface,
-                                      iso_weld *weld, iso_error *error);
+/* How the points or the mesh of a surface are coloured in a file; NULL: they have no colours. Says so if
+ * these are of a picture. option: that asked for the file, "--mesh". */
+const iso_coloring *isorender_colorings_exported(const isorender_job *job, const isorender_surface *surface,
+                                                 const char *option);
 
 /* The colour bars; returns their number. */
 int isorender_colorings_bars(const isorender_job *job, iso_color_bar bars[ISORENDER_COLORINGS]);

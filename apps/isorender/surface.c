@@ -522,12 +522,29 @@ static iso_status export_meshes(isorender_job *job, const char *comment, iso_err
                                            .color = &surface->color,
                                            .opacity = (double)surface->translucency.opacity};
         status = isorender_mesh_weld(job, surface, &welds[count], error);
-        if (status == ISO_OK) status = isorender_colorings_export(job, surface, &welds[count], error);
+        const iso_coloring *coloring = isorender_colorings_exported(job, surface, "--mesh");
+        if (status == ISO_OK && coloring)
+            status = iso_coloring_weld(coloring, iso_grid_transform(&surface->scene.grid), job->pool,
+                                       &welds[count], error);
         count++;
     }
     if (status == ISO_OK) status = iso_mesh_write_objects(job->plan->mesh, objects, count, comment, error);
     for (int i = 0; i < count; i++) iso_weld_free(&welds[i]);
     if (status == ISO_OK) job->mesh_written = true;
+    return status;
+}
+
+static iso_status export_points(isorender_job *job, const char *comment, iso_error *error) {
+    iso_point_view view = iso_scene_surface_points(&job->surfaces[0].scene);
+    uint8_t(*colors)[3] = NULL;
+    if (job->loader.has_points) view.opacities = job->cloud.opacities; /* also when drawn opaque */
+    const iso_coloring *coloring = isorender_colorings_exported(job, &job->surfaces[0], "--points");
+    if (coloring) {
+        ISO_TRY(iso_coloring_points(coloring, &view, job->pool, &colors, error));
+        view.colors = (const uint8_t(*)[3])colors;
+    }
+    const iso_status status = iso_points_write_ply(job->plan->points, &view, comment, error);
+    iso_free(colors);
     return status;
 }
 
@@ -539,9 +556,7 @@ iso_status isorender_export(isorender_job *job, iso_error *error) {
     if (job->segmentation && job->plan->mesh && !job->input_surface_count)
         return isorender_label_meshes_write(job, comment, error);
     if (job->plan->points) {
-        iso_point_view view = iso_scene_surface_points(&job->surfaces[0].scene);
-        if (job->loader.has_points) view.opacities = job->cloud.opacities; /* also when drawn opaque */
-        ISO_TRY(iso_points_write_ply(job->plan->points, &view, comment, error));
+        ISO_TRY(export_points(job, comment, error));
         job->points_written = true;
     }
     if (job->plan->mesh) ISO_TRY(export_meshes(job, comment, error));

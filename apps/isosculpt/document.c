@@ -190,10 +190,19 @@ bool isosculpt_document_find_unclosed(const char *folder, char path[ISOSCULPT_PA
 
 /* ---- opening and closing */
 
-/* Creates the session, which takes ownership of the grid, also when it fails. */
-static iso_status create_session(isosculpt_document *document, iso_hgrid *grid, const iso_session_opts *how,
-                                 iso_error *error) {
+/* The field that a session begins with. */
+typedef struct first_field {
+    iso_hgrid *grid; /* NULL: a session owns it */
+    iso_cell_items paint;
+} first_field;
+
+/* Creates the session, which takes ownership of the field, also when it fails. */
+static iso_status create_session(isosculpt_document *document, first_field *field,
+                                 const iso_session_opts *how, iso_error *error) {
+    iso_hgrid *grid = field->grid;
     iso_session_opts opts = *how;
+    field->grid = NULL;
+    opts.paint = &field->paint;
     opts.pool = document->pool;
     opts.undo_memory = document->undo_memory;
     opts.edits_aside = true;
@@ -221,16 +230,14 @@ static iso_status name_journal(const char *folder, char path[ISOSCULPT_PATH], is
     return iso_fail(error, ISO_ERR_WRITE, "%s: too many journals of this second", folder);
 }
 
-/* Creates a session with a new journal. Sets *grid to NULL when the session owns it. */
-static iso_status create_journaled_session(isosculpt_document *document, const char *folder, iso_hgrid **grid,
-                                           iso_error *error) {
+/* Creates a session with a new journal. */
+static iso_status create_journaled_session(isosculpt_document *document, const char *folder,
+                                           first_field *field, iso_error *error) {
     if (!folder) return iso_fail(error, ISO_ERR_WRITE, "there is no folder for it");
     ISO_TRY(name_journal(folder, document->journal, error));
     ISO_TRY(lock_journal(document->journal, &document->lock_file, error));
     const iso_session_opts opts = {.journal = document->journal};
-    iso_hgrid *taken = *grid;
-    *grid = NULL;
-    iso_status status = create_session(document, taken, &opts, error);
+    iso_status status = create_session(document, field, &opts, error);
     document->journal_is_new = status == ISO_OK;
     return status;
 }
@@ -244,55 +251,61 @@ static void unlock_journal(isosculpt_document *document) {
 }
 
 /* Makes the field of a new session: that of the source, or a ball. */
-static iso_status make_start_field(isosculpt_document *document, const iso_source *source, iso_hgrid **grid,
+static iso_status make_start_field(isosculpt_document *document, const iso_source *source, first_field *field,
                                    iso_error *error) {
-    if (source) return iso_source_open(source, &document->start, grid, error);
+    *field = (first_field){.grid = NULL};
+    if (source) {
+        iso_source with_paint = *source;
+        with_paint.paint = &field->paint;
+        return iso_source_open(&with_paint, &document->start, &field->grid, error);
+    }
     const double origin = -0.5 * (BALL_VOXELS - 1) * BALL_VOXEL;
     document->start = (iso_journal_start){.source = "ball",
                                           .voxel_size = BALL_VOXEL,
                                           .dims = {BALL_VOXELS, BALL_VOXELS, BALL_VOXELS},
                                           .origin = {origin, origin, origin},
                                           .radius = BALL_RADIUS};
-    return iso_session_ball(&document->start, grid, error);
+    return iso_session_ball(&document->start, &field->grid, error);
 }
 
 iso_status isosculpt_document_new(isosculpt_document *document, const char *folder, const iso_source *source,
                                   iso_error *error) {
-    iso_hgrid *grid;
+    first_field field;
     iso_error reason = {0};
-    ISO_TRY(make_start_field(document, source, &grid, error));
+    ISO_TRY(make_start_field(document, source, &field, error));
     isosculpt_target_default(strcmp(document->start.source, "ball") == 0 ? NULL : document->start.source,
                              document->target);
-    if (create_journaled_session(document, folder, &grid, &reason) == ISO_OK) return ISO_OK;
+    if (create_journaled_session(document, folder, &field, &reason) == ISO_OK) return ISO_OK;
     unlock_journal(document);
     document->journal[0] = 0;
     snprintf(document->journal_error, sizeof document->journal_error, "%s", reason.text);
-    if (!grid)
-        ISO_TRY(make_start_field(document, source, &grid, error)); /* the failed session has freed it */
-    return create_session(document, grid, &(iso_session_opts){0}, error);
+    if (!field.grid)
+        ISO_TRY(make_start_field(document, source, &field, error)); /* the failed session has freed it */
+    return create_session(document, &field, &(iso_session_opts){0}, error);
 }
 
 iso_status isosculpt_document_init_empty(isosculpt_document *document, iso_error *error) {
-    iso_hgrid *grid;
+    first_field field = {.grid = NULL};
     const iso_transform *none = NULL;
     document->start =
         (iso_journal_start){.source = "nothing", .voxel_size = 1, .dims = {ISO_BRICK, ISO_BRICK, ISO_BRICK}};
-    ISO_TRY(iso_hgrid_create(document->start.dims, 0, none, &grid, error));
-    return create_session(document, grid, &(iso_session_opts){0}, error);
+    ISO_TRY(iso_hgrid_create(document->start.dims, 0, none, &field.grid, error));
+    return create_session(document, &field, &(iso_session_opts){0}, error);
 }
 
-/* Makes the field that a session began with, and updates the header. */
+/* Makes the field that a session began with, and updates the header. paint: iso_source.paint. */
 static iso_status make_first_field(iso_journal_start *start, const char *journal, iso_pool *pool,
-                                   const iso_progress *progress, iso_hgrid **grid, iso_error *error) {
+                                   const iso_progress *progress, iso_hgrid **grid, iso_cell_items *paint,
+                                   iso_error *error) {
     if (strcmp(start->source, "ball") == 0) return iso_session_ball(start, grid, error);
-    const iso_source how = {.pool = pool, .progress = progress};
+    const iso_source how = {.pool = pool, .progress = progress, .paint = paint};
     return iso_source_reopen(journal, &how, start, grid, error);
 }
 
 iso_status isosculpt_document_first_field(const iso_journal_start *start, const char *journal, iso_pool *pool,
                                           const iso_progress *progress, iso_hgrid **grid, iso_error *error) {
     iso_journal_start copy = *start;
-    return make_first_field(&copy, journal, pool, progress, grid, error);
+    return make_first_field(&copy, journal, pool, progress, grid, NULL, error);
 }
 
 /* Chooses the target of a stroke file that is continued: beside the stroke file or, for a journal in the
@@ -317,12 +330,13 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
     ISO_TRY(join_path(document->journal, journal, "", error));
     const bool was_unclosed = has_lock_file(journal);
     ISO_TRY(lock_journal(journal, &document->lock_file, error));
-    iso_hgrid *grid;
+    first_field field = {.grid = NULL};
     const iso_progress reading = iso_progress_part(progress, 0, 0.3),
                        playing = iso_progress_part(progress, 0.3, 1);
     const iso_session_opts opts = {.journal = journal, .resume = true, .progress = &playing};
-    iso_status status = make_first_field(&document->start, journal, document->pool, &reading, &grid, error);
-    if (status == ISO_OK) status = create_session(document, grid, &opts, error);
+    iso_status status = make_first_field(&document->start, journal, document->pool, &reading, &field.grid,
+                                         &field.paint, error);
+    if (status == ISO_OK) status = create_session(document, &field, &opts, error);
     document->was_unclosed = was_unclosed;
     if (status == ISO_OK) {
         choose_target(document, journal);

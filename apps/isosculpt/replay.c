@@ -106,7 +106,7 @@ static int show_opening(void *context, double fraction) {
 }
 
 static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool, iso_file_set *files,
-                             report *r, iso_hgrid **grid, iso_error *error) {
+                             report *r, iso_hgrid **grid, iso_cell_items *paint, iso_error *error) {
     iso_journal_start *start = &r->start;
     opening shown = {.busy = ATOMIC_FLAG_INIT};
     const iso_progress bar = {.tell = show_opening, .context = &shown};
@@ -120,6 +120,7 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
                                .report = &r->opened_mesh,
                                .input = &settings->common.input,
                                .parts = &r->parts,
+                               .paint = paint,
                                .files = files,
                                .note = settings->common.quiet ? NULL : log_note};
     if (settings->open) return iso_source_open(&source, start, grid, error);
@@ -378,7 +379,15 @@ static iso_status write_points(player *p, const char *path, iso_error *error) {
     if (status == ISO_OK && p->report->points == 0 &&
         !writes_label(p->settings)) /* (a label may be removed) */
         status = iso_fail(error, ISO_ERR_EMPTY, "%s: nothing is left of the solid", input_name(p->settings));
+    const iso_painted painted =
+        iso_painted_make(iso_session_paint(p->session), grid.hgrid, ISOSCULPT_SURFACE_COLOR);
+    const iso_coloring coloring = iso_painted_coloring(&painted);
+    uint8_t(*colors)[3] = NULL;
+    if (status == ISO_OK && path && iso_painted_any(&painted))
+        status = iso_coloring_points(&coloring, &view, p->pool, &colors, error);
+    view.colors = (const uint8_t(*)[3])colors;
     if (status == ISO_OK && path) status = iso_points_write_ply(path, &view, "isosculpt", error);
+    iso_free(colors);
     iso_point_set_destroy(set);
     return status;
 }
@@ -575,10 +584,11 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     r.resolution[0] = settings->resolution[0] ? settings->resolution[0] : 1280;
     r.resolution[1] = settings->resolution[1] ? settings->resolution[1] : 800;
     iso_hgrid *grid = NULL;
-    iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory};
+    iso_cell_items paint = {.cell = NULL};
+    iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory, .paint = &paint};
     iso_file_set files = {0};
     if (settings->replay) iso_file_set_read(&files, settings->replay);
-    iso_status status = make_field(settings, pool, &files, &r, &grid, error);
+    iso_status status = make_field(settings, pool, &files, &r, &grid, &paint, error);
     iso_progress_bar_clear();
     if (status == ISO_OK && (status = check_outputs(settings, &files, &r.start, error)) != ISO_OK)
         iso_hgrid_destroy(grid);
@@ -591,6 +601,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     iso_grid_destroy(&p.first);
     isosculpt_viewport_free(&viewport);
     iso_session_destroy(p.session);
+    iso_cell_items_free(&paint);
     iso_buffer_free(&p.events);
     iso_journal_reader_free(reader);
     free_times(&r);

@@ -156,10 +156,13 @@ iso_status iso_sculpt_from_volume(iso_volume *volume, double isovalue, const iso
 static iso_status make_start(iso_sculpt *sculpt, const char *path, iso_journal_start *start,
                              const iso_session_opts *opts, iso_error *error) {
     if (strcmp(start->source, "ball") == 0) return make_ball(sculpt, start, opts, error);
-    const iso_source how = {.pool = sculpt->volume.pool};
+    iso_cell_items paint;
+    const iso_source how = {.pool = sculpt->volume.pool, .paint = &paint};
+    iso_session_opts with_paint = *opts;
+    with_paint.paint = &paint;
     iso_hgrid *grid;
     ISO_TRY(iso_source_reopen(path, &how, start, &grid, error));
-    return begin_session(sculpt, grid, start, opts, error);
+    return begin_session(sculpt, grid, start, &with_paint, error);
 }
 
 /* Opens a stroke file. `journal` is the path to append to; NULL: the file is only read. */

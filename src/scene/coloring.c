@@ -204,7 +204,11 @@ iso_status iso_coloring_find_surface_range(iso_coloring *coloring, const iso_sce
     return status;
 }
 
-/* ---- meshes */
+/* ---- meshes and points */
+
+static void store_color(iso_rgb color, uint8_t to[3]) {
+    to[0] = color.r, to[1] = color.g, to[2] = color.b;
+}
 
 typedef struct weld_coloring {
     const iso_coloring *coloring;
@@ -223,9 +227,7 @@ static void color_vertices(void *context, size_t index, int worker) {
             .place = iso_affine_point(&w->affine, iso_vec3_make((double)p[0], (double)p[1], (double)p[2])),
             .normal = iso_affine_normal(&w->affine, iso_vec3_make((double)n[0], (double)n[1], (double)n[2])),
             .depth = (double)NAN};
-        const iso_rgb c = color_at(w->coloring, &point, &near);
-        uint8_t *to = w->weld->colors[i];
-        to[0] = c.r, to[1] = c.g, to[2] = c.b;
+        store_color(color_at(w->coloring, &point, &near), w->weld->colors[i]);
     }
 }
 
@@ -237,5 +239,43 @@ iso_status iso_coloring_weld(const iso_coloring *coloring, const iso_transform *
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu colours", weld->vertex_count);
     iso_parallel_for(pool, (weld->vertex_count + SAMPLES_PER_TASK - 1) / SAMPLES_PER_TASK, color_vertices,
                      &w);
+    return ISO_OK;
+}
+
+typedef struct point_coloring {
+    const iso_coloring *coloring;
+    const iso_point_view *points;
+    iso_affine affine;
+    uint8_t (*colors)[3];
+} point_coloring;
+
+static void color_span(void *context, size_t index, int worker) {
+    (void)worker;
+    const point_coloring *c = context;
+    const iso_point_span *span = &c->points->spans[index];
+    size_t near = 0;
+    for (size_t i = span->first; i < span->first + span->count; i++) {
+        const iso_surfel surfel = iso_point_view_get(c->points, i);
+        const float *n = surfel.normal;
+        const iso_colored_point point = {
+            .place = iso_affine_point(&c->affine, iso_brick_position(span->brick, surfel.position)),
+            .normal = iso_affine_normal(&c->affine, iso_vec3_make((double)n[0], (double)n[1], (double)n[2])),
+            .depth = (double)NAN};
+        store_color(color_at(c->coloring, &point, &near), c->colors[i]);
+    }
+}
+
+iso_status iso_coloring_points(const iso_coloring *coloring, const iso_point_view *points, iso_pool *pool,
+                               uint8_t (**colors)[3], iso_error *error) {
+    point_coloring c = {coloring, points, iso_transform_affine(&points->transform), NULL};
+    size_t end = 0;
+    for (size_t s = 0; s < points->span_count; s++) {
+        const size_t last = points->spans[s].first + points->spans[s].count;
+        end = last > end ? last : end;
+    }
+    c.colors = iso_alloc((end + 1) * sizeof *c.colors);
+    if (!c.colors) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu colours", end);
+    iso_parallel_for(pool, points->span_count, color_span, &c);
+    *colors = c.colors;
     return ISO_OK;
 }

@@ -60,6 +60,11 @@ iso_status iso_coloring_find_surface_range(iso_coloring *coloring, const iso_sce
 iso_status iso_coloring_weld(const iso_coloring *coloring, const iso_transform *transform, iso_pool *pool,
                              iso_weld *weld, iso_error *error);
 
+/* The colours of points: *colors (iso_point_view.colors) is the caller's, iso_free. Not BY_DEPTH. `pool` may
+ * be NULL. ISO_ERR_NOMEM. */
+iso_status iso_coloring_points(const iso_coloring *coloring, const iso_point_view *points, iso_pool *pool,
+                               uint8_t (**colors)[3], iso_error *error);
+
 /* Whether a source's numbers have a sign that matters: curvature and distance. */
 static inline bool iso_color_source_is_signed(iso_color_source source) {
     return source == ISO_COLOR_BY_CURVATURE || source == ISO_COLOR_BY_DISTANCE;

@@ -38,38 +38,11 @@ iso_level_set_colors iso_painted_voxels(const iso_painted *painted) {
                                   .own = {own.r, own.g, own.b}};
 }
 
-/* ---- the colours of a .vdb file */
-
-/* What receives them. */
-typedef struct paint_reading {
-    iso_cell_items *paint;
-    iso_painted *painted;
-} paint_reading;
-
-/* iso_color_receiver.begin. */
-static iso_status begin(void *context, const iso_transform *transform, const int cells[3],
-                        const uint8_t own[3], iso_error *error) {
-    const paint_reading *r = context;
-    *r->painted = (iso_painted){
-        .view.paint = r->paint, .affine = iso_transform_affine(transform), .own = {own[0], own[1], own[2]}};
-    memcpy(r->painted->view.cells, cells, sizeof r->painted->view.cells);
-    return iso_cell_items_init(r->paint, "colours", (size_t)cells[0] * (size_t)cells[1] * (size_t)cells[2],
-                               sizeof(iso_paint_item), error);
-}
-
-/* iso_color_receiver.cell. */
-static iso_status add_cell(void *context, size_t cell, const uint32_t *colors, iso_error *error) {
-    const paint_reading *r = context;
-    return iso_cell_items_set(r->paint, cell, colors, error);
-}
-
 iso_status iso_painted_read(const char *path, const struct iso_volume_opts *opts, iso_cell_items *paint,
                             iso_painted *painted, iso_error *error) {
-    paint_reading reading = {paint, painted};
-    const iso_color_receiver receiver = {&reading, begin, add_cell};
-    *paint = (iso_cell_items){.cell = NULL};
+    iso_paint_file file;
     *painted = (iso_painted){.log = NULL};
-    const iso_status status = iso_level_set_read_colors(path, opts, &receiver, error);
-    if (status != ISO_OK) iso_cell_items_free(paint);
-    return status;
+    ISO_TRY(iso_paint_read(path, opts, paint, &file, error));
+    *painted = (iso_painted){.view = file.view, .affine = file.affine, .own = file.own};
+    return ISO_OK;
 }

@@ -25,6 +25,7 @@
 #include "io/lines/lines_read.h"
 #include "io/mesh/mesh_read.h"
 #include "sculpt/edit/field.h"
+#include "source/colors.h"
 #include "source/label.h"
 
 /* The longest side of a mesh or of lines in voxels, unless the voxel size is given. */
@@ -86,25 +87,31 @@ static iso_sampling sampling_of(const iso_source *source, const iso_box *box, co
                           source->pool, progress};
 }
 
-/* Reads and closes the mesh. */
+/* Reads and closes the mesh. *colored: the mesh as it was read, if its colours are wanted and it has some,
+ * else empty; NULL: they are not wanted. */
 static iso_status read_mesh(const iso_source *source, const iso_progress *progress, iso_closed_mesh **closed,
-                            iso_error *error) {
+                            iso_triangles *colored, iso_error *error) {
     const iso_progress reading = iso_progress_part(progress, 0, 0.6),
                        closing = iso_progress_part(progress, 0.6, 1);
     const iso_closing_opts opts = {.hole = source->close_holes, .progress = &closing};
     iso_triangles mesh;
+    if (colored) *colored = (iso_triangles){.colors = NULL};
     ISO_TRY(iso_mesh_read(source->path, &reading, &mesh, error));
     iso_status status = iso_closed_mesh_create(source->path, &mesh, &opts, closed, error);
-    iso_triangles_free(&mesh);
     if (status == ISO_OK && source->report) *source->report = *iso_closed_mesh_report(*closed);
+    if (status == ISO_OK && colored && mesh.colors)
+        *colored = mesh;
+    else
+        iso_triangles_free(&mesh);
     return status;
 }
 
-static iso_status convert_mesh(const iso_source *source, iso_hgrid **grid, iso_error *error) {
+static iso_status convert_mesh(const iso_source *source, iso_hgrid **grid, iso_triangles *colored,
+                               iso_error *error) {
     const iso_progress reading = iso_progress_part(source->progress, 0.05, 0.3),
                        converting = iso_progress_part(source->progress, 0.3, 1);
     iso_closed_mesh *mesh;
-    ISO_TRY(read_mesh(source, &reading, &mesh, error));
+    ISO_TRY(read_mesh(source, &reading, &mesh, source->paint ? colored : NULL, error));
     const iso_box box = iso_closed_mesh_box(mesh);
     const iso_sampling frame = sampling_of(source, &box, &converting);
     iso_status status = iso_level_set_from_mesh(source->path, mesh, &frame, grid, error);
@@ -116,7 +123,7 @@ iso_status iso_source_read_stamp(const iso_source *source, iso_stamp **stamp, is
     const iso_progress reading = iso_progress_part(source->progress, 0, 0.4),
                        converting = iso_progress_part(source->progress, 0.4, 1);
     iso_closed_mesh *mesh;
-    ISO_TRY(read_mesh(source, &reading, &mesh, error));
+    ISO_TRY(read_mesh(source, &reading, &mesh, NULL, error));
     iso_status status = iso_stamp_from_mesh(source->path, mesh, source->pool, &converting, stamp, error);
     iso_closed_mesh_destroy(mesh);
     return status;
@@ -269,19 +276,34 @@ static iso_status convert_volume(const iso_source *source, iso_hgrid **grid, iso
         volume.grid = label;
     }
     if (status == ISO_OK) status = convert_grid(source, &volume.grid, grid, error);
+    const bool may_have_colors = source->paint && strcmp(volume.info.format, "vdb") == 0;
     iso_volume_free(&volume);
+    if (status != ISO_OK || !may_have_colors) return status;
+    status = iso_source_paint_of_vdb(source->path, *grid, source->pool, source->paint, error);
+    if (status != ISO_OK) iso_hgrid_destroy(*grid);
     return status;
 }
 
-/* Converts a mesh into a field, then drops parts. */
-static iso_status convert_mesh_parts(const iso_source *source, iso_hgrid **grid, iso_error *error) {
+/* Drops parts of a mesh's field, and paints what is left. */
+static iso_status finish_mesh(const iso_source *source, const iso_triangles *colored, iso_hgrid *field,
+                              iso_error *error) {
     const iso_progress progress = iso_progress_part(source->progress, 0.7, 1);
     bool dropped;
-    ISO_TRY(convert_mesh(source, grid, error));
-    iso_grid whole = {.hgrid = *grid};
-    iso_status status = drop_parts(source, 0, &whole, &dropped, error);
-    if (status == ISO_OK && dropped) status = iso_field_redistance(*grid, source->pool, &progress, error);
-    if (status != ISO_OK) iso_hgrid_destroy(*grid);
+    iso_grid whole = {.hgrid = field};
+    ISO_TRY(drop_parts(source, 0, &whole, &dropped, error));
+    if (dropped) ISO_TRY(iso_field_redistance(field, source->pool, &progress, error));
+    return colored->colors ? iso_source_paint_of_mesh(colored, field, source->pool, source->paint, error)
+                           : ISO_OK;
+}
+
+static iso_status convert_mesh_parts(const iso_source *source, iso_hgrid **grid, iso_error *error) {
+    iso_triangles colored = {.colors = NULL};
+    iso_status status = convert_mesh(source, grid, &colored, error);
+    if (status == ISO_OK) {
+        status = finish_mesh(source, &colored, *grid, error);
+        if (status != ISO_OK) iso_hgrid_destroy(*grid);
+    }
+    iso_triangles_free(&colored);
     return status;
 }
 
@@ -334,34 +356,43 @@ static iso_status read_points(const iso_source *source, iso_cloud *cloud, iso_er
     return status;
 }
 
-static iso_status sample_points(const iso_source *source, iso_grid *grid, iso_error *error) {
+static iso_status sample_points(const iso_source *source, const iso_cloud *cloud, iso_grid *grid,
+                                iso_error *error) {
     const iso_progress sampling = iso_progress_part(source->progress, 0.2, 0.6);
-    iso_cloud cloud = {.count = 0};
-    ISO_TRY(read_points(source, &cloud, error));
-    if (cloud.estimated_normals)
+    if (cloud->estimated_normals)
         tell(source, "normals of %zu of %zu points are estimated from their neighbours",
-             cloud.estimated_normals, cloud.count);
-    const iso_point_view view = iso_cloud_view(&cloud);
-    const iso_affine affine = iso_transform_affine(&cloud.transform);
+             cloud->estimated_normals, cloud->count);
+    const iso_point_view view = iso_cloud_view(cloud);
+    const iso_affine affine = iso_transform_affine(&cloud->transform);
     const iso_box index = iso_point_view_bounds(&view), box = iso_box_transform(&index, &affine);
     iso_sampling frame = sampling_of(source, &box, &sampling);
     frame.margin = POINT_MARGIN;
-    iso_status status = iso_grid_from_points(source->path, &view, &frame,
-                                             source->input ? source->input->max_memory : 0, grid, error);
-    iso_cloud_free(&cloud);
-    return status;
+    return iso_grid_from_points(source->path, &view, &frame, source->input ? source->input->max_memory : 0,
+                                grid, error);
 }
 
-/* Converts a file of points: their solid as a volume, then as any other volume. */
-static iso_status convert_points(const iso_source *source, iso_hgrid **grid, iso_error *error) {
+/* Converts a cloud: its solid as a volume, then as any other volume. */
+static iso_status convert_cloud(const iso_source *source, const iso_cloud *cloud, iso_hgrid **grid,
+                                iso_error *error) {
     const iso_progress progress = iso_progress_part(source->progress, 0.6, 1);
     const iso_field_opts how = {.resampling = {.pool = source->pool, .progress = &progress}};
     iso_grid volume;
     bool dropped;
-    ISO_TRY(sample_points(source, &volume, error));
+    ISO_TRY(sample_points(source, cloud, &volume, error));
     iso_status status = drop_parts(source, 0, &volume, &dropped, error);
     if (status == ISO_OK) status = iso_field_from_grid(source->path, &volume, &how, grid, error);
     iso_grid_destroy(&volume);
+    if (status != ISO_OK || !source->paint || !cloud->colors) return status;
+    status = iso_source_paint_of_points(cloud, *grid, source->pool, source->paint, error);
+    if (status != ISO_OK) iso_hgrid_destroy(*grid);
+    return status;
+}
+
+static iso_status convert_points(const iso_source *source, iso_hgrid **grid, iso_error *error) {
+    iso_cloud cloud = {.count = 0};
+    ISO_TRY(read_points(source, &cloud, error));
+    const iso_status status = convert_cloud(source, &cloud, grid, error);
+    iso_cloud_free(&cloud);
     return status;
 }
 
@@ -404,6 +435,7 @@ static void describe_grid(const iso_source *source, const iso_hgrid *grid, iso_j
 static iso_status open_source(const iso_source *source, iso_journal_start *start, iso_hgrid **grid,
                               iso_error *error) {
     memset(start, 0, sizeof *start);
+    if (source->paint) *source->paint = (iso_cell_items){.cell = NULL};
     char *path = realpath(source->path, NULL);
     if (!path) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", source->path, strerror(errno));
     const int length = snprintf(start->source, sizeof start->source, "%s", path);
@@ -422,6 +454,7 @@ static iso_status open_source(const iso_source *source, iso_journal_start *start
     }
     ISO_TRY(convert_file(source, grid, error));
     describe_grid(source, *grid, start);
+    start->has_colors = source->paint && source->paint->used > 0;
     return ISO_OK;
 }
 
@@ -467,6 +500,7 @@ static iso_status reopen(const char *strokes, const iso_source *how, iso_journal
     const iso_progress summing = iso_progress_part(how->progress, 0, 0.05);
     ISO_TRY(iso_source_find(strokes, start, &summing, found, error));
     iso_file_set_read(how->files, found);
+    if (how->paint) *how->paint = (iso_cell_items){.cell = NULL};
     char reading[ISO_JOURNAL_TEXT];
     iso_input input;
     iso_error reason = {0};
@@ -483,12 +517,14 @@ static iso_status reopen(const char *strokes, const iso_source *how, iso_journal
                                .pool = how->pool,
                                .files = how->files,
                                .progress = how->progress,
+                               .paint = start->has_colors ? how->paint : NULL,
                                .close_holes = INFINITY};
     const iso_journal_start recorded = *start;
     ISO_TRY(convert_file(&source, grid, error));
     describe_grid(&source, *grid, start);
     if (how->voxel > 0 || memcmp(recorded.dims, start->dims, sizeof recorded.dims) == 0) return ISO_OK;
     iso_hgrid_destroy(*grid);
+    if (how->paint) iso_cell_items_free(how->paint);
     return iso_fail(error, ISO_ERR_FORMAT, "'%s' makes a grid of another size than the session's", found);
 }
 

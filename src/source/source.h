@@ -13,6 +13,7 @@
 #include "grids/parts/components.h"
 #include "grids/volume/input.h"
 #include "grids/volume/volume.h"
+#include "sculpt/field/cell_items.h"
 #include "sculpt/session/journal.h"
 
 #ifdef __cplusplus
@@ -56,7 +57,10 @@ typedef struct iso_source {
     void (*note)(const char *text);
     iso_mesh_report *report;      /* receives how the mesh was closed, if the file is a mesh; or NULL */
     iso_components_totals *parts; /* receives which parts were kept and dropped; or NULL */
-    iso_file_set *files;          /* every file that is read is added; or NULL */
+    /* Receives the colours of a mesh, of points or of a .vdb file as the paint of the field, for
+     * iso_cell_items_free: empty if the file has none. NULL: not wanted. */
+    iso_cell_items *paint;
+    iso_file_set *files; /* every file that is read is added; or NULL */
 } iso_source;
 
 /* Reads the file, converts it into a field (*grid, the caller's), and fills the journal's header (*start). A
@@ -71,9 +75,9 @@ iso_status iso_source_open(const iso_source *source, iso_journal_start *start, i
 
 /* Makes the field that a stroke file began with, from its header (*start, updated): from the file at the path
  * in the header, or the file of the same name beside the stroke file `strokes`. Only these members of `how`
- * count: voxel (0: the header's), pool, progress, parts, files and input->max_memory. All holes of a mesh are
- * closed, since those that matter were closed when the session began. ISO_ERR_IO: the file is missing;
- * ISO_ERR_FORMAT: its content has changed. */
+ * count: voxel (0: the header's), pool, progress, parts, files, input->max_memory and paint, which is empty
+ * if the session did not begin with colours. All holes of a mesh are closed, since those that matter were
+ * closed when the session began. ISO_ERR_IO: the file is missing; ISO_ERR_FORMAT: its content has changed. */
 iso_status iso_source_reopen(const char *strokes, const iso_source *how, iso_journal_start *start,
                              iso_hgrid **grid, iso_error *error);
 

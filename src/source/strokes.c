@@ -15,14 +15,17 @@ bool iso_strokes_are_in(const char *path) {
 }
 
 iso_status iso_strokes_open(const char *path, const iso_source *how, iso_strokes *strokes, iso_error *error) {
-    const iso_session_opts opts = {.pool = how->pool};
+    iso_cell_items paint = {.cell = NULL};
+    const iso_session_opts opts = {.pool = how->pool, .paint = &paint};
+    iso_source with_paint = *how;
+    with_paint.paint = &paint;
     iso_hgrid *grid = NULL;
     *strokes = (iso_strokes){.session = NULL};
     ISO_TRY(iso_journal_open(path, &strokes->start, &strokes->reader, error));
     if (strcmp(strokes->start.source, "ball") == 0)
         ISO_TRY(iso_session_ball(&strokes->start, &grid, error));
     else
-        ISO_TRY(iso_source_reopen(path, how, &strokes->start, &grid, error));
+        ISO_TRY(iso_source_reopen(path, &with_paint, &strokes->start, &grid, error));
     return iso_session_create(grid, &strokes->start, &opts, &strokes->session, error);
 }
 

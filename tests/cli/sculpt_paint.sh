@@ -7,6 +7,13 @@ cmp brown.ply again.ply
 isosculpt --replay "$bear" --headless --quiet --mesh plain.ply --output plain.vdb
 isosculpt --replay brown.strokes --headless --quiet --edit 1-31:color=none --mesh none.ply
 cmp plain.ply none.ply
+isosculpt --replay brown.strokes --headless --quiet --output points.ply
+isorender brown.strokes --color CE8E70 --points drawn-points.ply --no-image --quiet
+# a coloured mesh, points and level set are opened with their colours, which further strokes keep and stroke files remember
+isosculpt --open brown.ply --voxel-size 0.6 --headless --quiet --mesh of-mesh.ply --output of-mesh.vdb
+isosculpt --open points.ply --voxel-size 0.6 --headless --quiet --mesh of-points.ply
+isosculpt --open brown.vdb --headless --quiet --mesh of-vdb.ply
+isosculpt --open of-mesh.vdb --headless --quiet --mesh of-mesh-vdb.ply
 for type in obj glb 3mf; do isosculpt --replay brown.strokes --headless --quiet --mesh brown.$type; done
 isorender brown.vdb --info >info
 isorender brown.vdb --grid Cd --info >colors 2>&1 || true
@@ -26,6 +33,23 @@ expect(sum(c == (0x8c, 0x5a, 0x32) for c in brown) > 0.5 * len(brown), "most of 
 expect(sum(c == (0x20, 0x18, 0x14) for c in brown) > 100, "its nose is black")
 expect(sum(c == (206, 142, 112) for c in brown) > 100, "where nothing was drawn it has the surface's own colour")
 expect(b"COLOR_0" in open("brown.glb", "rb").read(), "colours in .glb")
+for name in "points.ply", "drawn-points.ply":
+    data = open(name, "rb").read()
+    head, body = data.split(b"end_header\n", 1)
+    expect(b"property uchar red" in head, head)
+    found = [tuple(body[at + 28:at + 31]) for at in range(0, len(body), 31)]
+    expect(len(found) * 31 == len(body) and sum(c == (0x8c, 0x5a, 0x32) for c in found) > 0.5 * len(found), name)
+def shares(name):
+    data = open(name, "rb").read()
+    head, body = data.split(b"end_header\n", 1)
+    expect(b"property uchar red" in head, name, head)
+    count = int(head.split(b"element vertex ")[1].split()[0])
+    found = [tuple(body[at + 24:at + 27]) for at in range(0, 27 * count, 27)]
+    near = lambda color: sum(max(abs(a - b) for a, b in zip(c, color)) <= 12 for c in found) / count
+    return [near(color) for color in ((0x8c, 0x5a, 0x32), (0x20, 0x18, 0x14), (206, 142, 112))]
+wanted = shares("brown.ply")
+for name in "of-mesh.ply", "of-points.ply", "of-vdb.ply", "of-mesh-vdb.ply":
+    expect(all(abs(a - b) < 0.02 and b > 0 for a, b in zip(wanted, shares(name))), name, wanted, shares(name))
 vertex = next(line for line in open("brown.obj") if line.startswith("v "))
 expect(len(vertex.split()) == 7, vertex)
 P

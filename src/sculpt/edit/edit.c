@@ -655,3 +655,11 @@ iso_field_items *iso_editor_items(iso_editor *editor) {
 iso_change_log *iso_editor_paint_log(iso_editor *editor) {
     return editor->painter.log;
 }
+
+iso_status iso_editor_set_paint(iso_editor *editor, const iso_cell_items *paint, iso_error *error) {
+    iso_cell_items copy;
+    ISO_TRY(iso_cell_items_copy(paint, &copy, error));
+    iso_cell_items_free(&editor->transaction.items.of[ISO_ITEM_PAINT]);
+    editor->transaction.items.of[ISO_ITEM_PAINT] = copy;
+    return ISO_OK;
+}

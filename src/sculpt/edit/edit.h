@@ -104,5 +104,8 @@ bool iso_editor_has_mask(const iso_editor *editor);
  * have changed. */
 iso_field_items *iso_editor_items(iso_editor *editor);
 iso_change_log *iso_editor_paint_log(iso_editor *editor);
+/* Makes the paint a copy of `paint`, outside of a step; the log has no part of it. ISO_ERR_NOMEM: all is as
+ * before. */
+iso_status iso_editor_set_paint(iso_editor *editor, const iso_cell_items *paint, iso_error *error);
 
 #endif

@@ -53,6 +53,19 @@ uint32_t iso_paint_voxel(const iso_paint_view *view, const int at[3]);
 /* The colour at a place between voxels, in index coordinates (iso_paint_mix). */
 uint32_t iso_paint_at(const iso_paint_view *view, iso_vec3 place);
 
+/* Paint that was read from a file. Where the file has none, the view's items are NULL. */
+typedef struct iso_paint_file {
+    iso_paint_view view;
+    iso_affine affine; /* of its voxels */
+    iso_rgb own;       /* the colour of voxels that have none */
+} iso_paint_file;
+
+struct iso_volume_opts;
+/* Reads the colours of a .vdb file, its grid "Cd", as paint. *paint is overwritten, for iso_cell_items_free,
+ * and borrowed by the view of *file. Errors: those of iso_level_set_read_colors. */
+iso_status iso_paint_read(const char *path, const struct iso_volume_opts *opts, iso_cell_items *paint,
+                          iso_paint_file *file, iso_error *error);
+
 #ifdef __cplusplus
 }
 #endif

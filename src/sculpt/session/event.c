@@ -46,18 +46,19 @@ char *iso_event_header_text(const iso_journal_start *start) {
     const bool plain = !start->reading[0] && (start->isovalue == 0 || start->voxel_isovalue);
     json_t *header =
         json_pack("{ss si ss si sf s[iii] so sf sf}", "format", FORMAT, "version",
-                  start->has_edits ? ISO_JOURNAL_VERSION
-                  : plain          ? 1
-                                   : 2,
+                  start->has_colors  ? 4
+                  : start->has_edits ? 3
+                  : plain            ? 1
+                                     : 2,
                   "source", start->source, "source_crc", (int)start->source_crc, "voxel_size",
                   start->voxel_size, "dims", start->dims[0], start->dims[1], start->dims[2], "origin",
                   vector_json(start->origin), "radius", start->radius, "isovalue", start->isovalue);
-    if (header && start->reading[0] &&
-        json_object_set_new(header, "reading", json_string_nocheck(start->reading))) {
-        json_decref(header);
-        return NULL;
-    }
-    return finish_line(header);
+    int failed = header && start->reading[0] &&
+                 json_object_set_new(header, "reading", json_string_nocheck(start->reading));
+    if (header && start->has_colors) failed |= json_object_set_new(header, "colors", json_true());
+    if (!failed) return finish_line(header);
+    json_decref(header);
+    return NULL;
 }
 
 static json_t *brush_json(const iso_brush *brush) {
@@ -235,6 +236,7 @@ static iso_status read_header(const json_t *object, iso_journal_start *start, is
     ISO_TRY(check_kind(object, error));
     start->voxel_isovalue = json_integer_value(json_object_get(object, "version")) < 2;
     start->has_edits = json_integer_value(json_object_get(object, "version")) >= 3;
+    start->has_colors = json_is_true(json_object_get(object, "colors"));
     start->reading[0] = 0;
     if (json_object_get(object, "reading")) ISO_TRY(get_text(object, "reading", start->reading, error));
     ISO_TRY(get_text(object, "source", start->source, error));

@@ -15,10 +15,10 @@
 #include "sculpt/brush/stamp.h"
 
 /* Version 2 adds `reading`, and isovalues of level sets are in millimetres instead of voxels. Version 3 adds
- * edits of strokes. A file that is made says the first version that has what it uses; edits that are appended
- * to an older file leave its first line as it is, and older programs refuse their lines. ISO_JOURNAL_TEXT:
- * bytes of a text. */
-enum { ISO_JOURNAL_VERSION = 3, ISO_JOURNAL_TEXT = 1024 };
+ * edits of strokes, version 4 `has_colors`. A file that is made says the first version that has what it uses;
+ * edits that are appended to an older file leave its first line as it is, and older programs refuse their
+ * lines. ISO_JOURNAL_TEXT: bytes of a text. */
+enum { ISO_JOURNAL_VERSION = 4, ISO_JOURNAL_TEXT = 1024 };
 
 /* The header: the source of the session's field, and its grid. */
 typedef struct iso_journal_start {
@@ -32,7 +32,8 @@ typedef struct iso_journal_start {
     char reading[ISO_JOURNAL_TEXT]; /* the options with which the program read the source; "" for the defaults
                                      */
     bool voxel_isovalue; /* the file is of version 1, in which the isovalue of a level set is in voxels */
-    bool has_edits;      /* the file is of version 3 */
+    bool has_edits;      /* the file is of version 3 or later */
+    bool has_colors;     /* the session began with the colours of the source, as paint */
 } iso_journal_start;
 
 typedef enum iso_event_kind {

@@ -26,6 +26,7 @@ struct iso_session {
     iso_journal *journal;
     char *journal_path;
     iso_journal_start start;
+    iso_cell_items first_paint;                   /* of the field before all strokes */
     iso_stamp *stamp;                             /* NULL: none yet */
     int checkpoint_strokes, strokes, checkpoints; /* interval; strokes since the last one; number so far */
     bool drawing;                                 /* a stroke is being drawn */
@@ -213,6 +214,8 @@ static iso_status reset_to(iso_session *session, const iso_hgrid *initial, iso_e
     if (session->drawing) ISO_TRY(iso_session_cancel(session, error));
     while (iso_history_position(session->history)) ISO_TRY(iso_history_undo(session->history, error));
     iso_field_items_clear(iso_editor_items(session->editor));
+    if (session->first_paint.cell)
+        ISO_TRY(iso_editor_set_paint(session->editor, &session->first_paint, error));
     iso_stroke_log_free(&session->log);
     discard_versions(session);
     session->partial = false;
@@ -316,6 +319,8 @@ static iso_status set_up(iso_session *session, const iso_journal_start *start, c
                                 .beside = opts->journal};
     ISO_TRY(copy_journal_path(session, opts->journal, error));
     ISO_TRY(iso_editor_create(session->grid, &editor, &session->editor, error));
+    if (session->first_paint.cell)
+        ISO_TRY(iso_editor_set_paint(session->editor, &session->first_paint, error));
     history.items = iso_editor_items(session->editor);
     history.paint_log = iso_editor_paint_log(session->editor);
     ISO_TRY(iso_history_create(session->grid, &history, &session->history, error));
@@ -332,9 +337,14 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
     iso_session *session = iso_alloc_zero(1, sizeof *session);
     if (!session) {
         iso_hgrid_destroy(grid);
+        if (opts->paint) iso_cell_items_free(opts->paint);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a session");
     }
     session->grid = grid;
+    if (opts->paint) {
+        session->first_paint = *opts->paint;
+        *opts->paint = (iso_cell_items){.cell = NULL};
+    }
     session->pool = opts->pool;
     session->edits_aside = opts->edits_aside;
     session->pen = (iso_pen){.touch = touch_field, .context = session};
@@ -360,6 +370,7 @@ void iso_session_destroy(iso_session *session) {
     iso_stroke_log_free(&session->log);
     iso_history_destroy(session->history);
     iso_editor_destroy(session->editor);
+    iso_cell_items_free(&session->first_paint);
     iso_hgrid_destroy(session->grid);
     iso_free(session->journal_path);
     iso_free(session);
@@ -433,8 +444,9 @@ static iso_status make_versions(iso_session *session, iso_error *error) {
     if (session->edits_aside && !session->edit_pool)
         ISO_TRY(iso_pool_create(iso_pool_threads(session->pool), &session->edit_pool, error));
     ISO_TRY(copy_first_field(session, &first, error));
-    return iso_versions_create(first, session->edits_aside ? session->edit_pool : session->pool,
-                               check_versions, session, &session->versions, error);
+    return iso_versions_create(first, &session->first_paint,
+                               session->edits_aside ? session->edit_pool : session->pool, check_versions,
+                               session, &session->versions, error);
 }
 
 /* Makes the versions of the strokes as they are before the last `entries` entries of the log. */

@@ -26,6 +26,9 @@ typedef struct iso_session_opts {
     double cost_factor; /* multiplies iso_limit_cost, which bounds iso_session_play: on a finer grid the same
                            strokes cost more; 0 means 1 */
     bool edits_aside;   /* iso_session_draw_edit has a pool of its own, as it is called in another thread */
+    iso_cell_items
+        *paint; /* the paint that the field begins with, which is taken (*paint is empty then), also
+                              when it fails; NULL: none */
     const iso_progress *progress; /* of resuming; cancelled: ISO_ERR_IO, and the journal is unchanged */
 } iso_session_opts;
 

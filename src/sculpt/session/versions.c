@@ -107,9 +107,10 @@ static iso_status no_memory(iso_error *error) {
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the versions of strokes");
 }
 
-static iso_status set_up(iso_versions *v, iso_pool *pool, iso_error *error) {
+static iso_status set_up(iso_versions *v, const iso_cell_items *paint, iso_pool *pool, iso_error *error) {
     const iso_editor_opts editor = {.pool = pool};
     ISO_TRY(iso_editor_create(v->grid, &editor, &v->editor, error));
+    if (paint->cell) ISO_TRY(iso_editor_set_paint(v->editor, paint, error));
     const iso_history_opts history = {.items = iso_editor_items(v->editor)};
     ISO_TRY(iso_history_create(v->grid, &history, &v->history, error));
     v->keys = PARTS * iso_hgrid_cell_count(v->grid);
@@ -123,8 +124,9 @@ static iso_status set_up(iso_versions *v, iso_pool *pool, iso_error *error) {
                                                                                    : no_memory(error);
 }
 
-iso_status iso_versions_create(iso_hgrid *first, iso_pool *pool, iso_versions_check *check, void *context,
-                               iso_versions **versions, iso_error *error) {
+iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, iso_pool *pool,
+                               iso_versions_check *check, void *context, iso_versions **versions,
+                               iso_error *error) {
     iso_versions *v = iso_alloc_zero(1, sizeof *v);
     if (!v) {
         iso_hgrid_destroy(first);
@@ -133,7 +135,7 @@ iso_status iso_versions_create(iso_hgrid *first, iso_pool *pool, iso_versions_ch
     v->grid = first;
     v->check = check;
     v->context = context;
-    iso_status status = set_up(v, pool, error);
+    iso_status status = set_up(v, paint, pool, error);
     if (status == ISO_OK)
         *versions = v;
     else

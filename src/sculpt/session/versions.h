@@ -25,12 +25,13 @@ typedef struct iso_versions_stats {
     double cost;           /* iso_editor_cost */
 } iso_versions_stats;
 
-/* Takes ownership of the field before all strokes, also when it fails. `check` is called before each touch,
- * and an error of it ends the update (NULL: not called). The pool is borrowed. ISO_ERR_NOMEM; ISO_ERR_USAGE:
- * a grid that cannot be sculpted. */
+/* Takes ownership of the field before all strokes, also when it fails; `paint` is its paint, which is copied
+ * (no cells: it has none). `check` is called before each touch, and an error of it ends the update (NULL: not
+ * called). The pool is borrowed. ISO_ERR_NOMEM; ISO_ERR_USAGE: a grid that cannot be sculpted. */
 typedef iso_status iso_versions_check(void *context, double cost, iso_error *error);
-iso_status iso_versions_create(iso_hgrid *first, iso_pool *pool, iso_versions_check *check, void *context,
-                               iso_versions **versions, iso_error *error);
+iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, iso_pool *pool,
+                               iso_versions_check *check, void *context, iso_versions **versions,
+                               iso_error *error);
 void iso_versions_destroy(iso_versions *versions); /* NULL is fine */
 
 /* Draws a list. Errors: those of touches; ISO_ERR_IO: cancelled. The versions are as before then. */

@@ -48,6 +48,8 @@ static void check_ball(const char *what, iso_hgrid *grid, double radius) {
                 const double got = (double)iso_hgrid_at(grid, x, y, z);
                 if (fabs(wanted) > 0.05 && (got < 0) != (wanted < 0))
                     fail_msg("%s: voxel (%d, %d, %d) is %g, wanted %g", what, x, y, z, got, wanted);
+                if (wanted > 4 && got < 2.5)
+                    fail_msg("%s: voxel (%d, %d, %d) is %g, far outside", what, x, y, z, got);
                 if (fabs(wanted) >= 3) continue;
                 band++;
                 good += fabs(got - wanted) <= 0.1;
