@@ -92,36 +92,64 @@ static bool reads_paint(const iso_painter *painter, const int brick[3], const is
     return false;
 }
 
-/* The colour of a voxel that a warp reads; beyond the grid there is none. */
-static uint32_t source_voxel(const iso_painter *painter, const int at[3]) {
+/* The paint of a cell; `number` and `item` are those of the cell that was looked at last. */
+static const iso_paint_item *source_item(const iso_painter *painter, uint32_t cell, uint32_t *number,
+                                         const iso_paint_item **item) {
+    if (cell != *number) {
+        *number = cell;
+        *item = painter->source(painter->source_context, cell);
+    }
+    return *item;
+}
+
+/* The colours of the eight voxels from `first` on; beyond the grid there are none. Returns whether there are any. */
+static bool find_corners(const iso_painter *painter, const int first[3], uint32_t *number,
+                         const iso_paint_item **item, uint32_t corners[8]) {
     const iso_hgrid *grid = painter->transaction->grid;
+    uint32_t any = 0;
+    bool whole = true; /* all lie in one cell */
     for (int axis = 0; axis < 3; axis++)
-        if (at[axis] < 0 || at[axis] >= grid->dims[axis]) return 0;
-    const size_t cell = iso_hgrid_cell_index(grid, at[0] / ISO_BRICK, at[1] / ISO_BRICK, at[2] / ISO_BRICK);
-    const iso_paint_item *item = painter->source(painter->source_context, (uint32_t)cell);
-    return item ? item->voxel[(at[2] % ISO_BRICK * ISO_BRICK + at[1] % ISO_BRICK) * ISO_BRICK +
-                              at[0] % ISO_BRICK]
-                : 0;
+        whole &=
+            first[axis] >= 0 && first[axis] + 1 < grid->dims[axis] && first[axis] % ISO_BRICK + 1 < ISO_BRICK;
+    if (whole && !source_item(painter,
+                              (uint32_t)iso_hgrid_cell_index(grid, first[0] / ISO_BRICK, first[1] / ISO_BRICK,
+                                                             first[2] / ISO_BRICK),
+                              number, item))
+        return false;
+    for (int k = 0; k < 8; k++) {
+        const int at[3] = {first[0] + (k & 1), first[1] + (k >> 1 & 1), first[2] + (k >> 2)};
+        bool inside = true;
+        for (int axis = 0; axis < 3 && !whole; axis++) inside &= at[axis] >= 0 && at[axis] < grid->dims[axis];
+        const iso_paint_item *of =
+            whole    ? *item
+            : inside ? source_item(painter,
+                                   (uint32_t)iso_hgrid_cell_index(grid, at[0] / ISO_BRICK, at[1] / ISO_BRICK,
+                                                                  at[2] / ISO_BRICK),
+                                   number, item)
+                     : NULL;
+        any |= corners[k] = of ? of->voxel[(at[2] % ISO_BRICK * ISO_BRICK + at[1] % ISO_BRICK) * ISO_BRICK +
+                                           at[0] % ISO_BRICK]
+                               : 0;
+    }
+    return any != 0;
 }
 
 /* Samples the colours at the warp's positions, which are multiples of 2^-16. Returns whether there are any.
  */
 static bool sample_paint(const iso_painter *painter, const int brick[3], const iso_warp *warp,
                          uint32_t *out) {
-    uint32_t all = 0;
+    uint32_t all = 0, number = UINT32_MAX;
+    const iso_paint_item *item = NULL;
     for (int i = 0; i < ISO_BRICK_VOXELS; i++) {
-        uint32_t part[3], corners[8], any = 0;
+        uint32_t part[3], corners[8];
         int first[3];
         for (int axis = 0; axis < 3; axis++) {
             const float p = warp->position[axis][i], whole = floorf(p);
             first[axis] = ISO_BRICK * brick[axis] + (int)whole;
             part[axis] = (uint32_t)((p - whole) * ISO_PAINT_ONE);
         }
-        for (int k = 0; k < 8; k++) {
-            const int at[3] = {first[0] + (k & 1), first[1] + (k >> 1 & 1), first[2] + (k >> 2)};
-            any |= corners[k] = source_voxel(painter, at);
-        }
-        all |= out[i] = any ? iso_paint_mix(corners, part) : 0;
+        out[i] = find_corners(painter, first, &number, &item, corners) ? iso_paint_mix(corners, part) : 0;
+        all |= out[i];
     }
     return all != 0;
 }
@@ -318,11 +346,14 @@ static void finish_cell(void *context, size_t index, int worker) {
     const bool near = is_near_paint(painter, cell),
                brings = painter->dabs->color &&
                         (painter->dabs->tool == ISO_TOOL_PAINT || any_marked(&cell->changed));
-    if (!cell->warped && !brings && !near) return;
+    const iso_tool tool = painter->dabs->tool;
+    const uint32_t edited = t->edit_cell_of[cell->cell];
+    const bool changes = tool == ISO_TOOL_PAINT || iso_tool_is_warp(tool) ||
+                         (edited && iso_transaction_cell(t, edited - 1)->edited);
+    if (!cell->warped && !brings && !(near && changes)) return;
     cell->made = create_item(painter);
     if (!cell->made) return;
     const float *before = iso_transaction_grid_values(t, t->grid->cell[cell->cell]);
-    const uint32_t edited = t->edit_cell_of[cell->cell];
     cell_source s = {.painter = painter,
                      .cell = cell,
                      .after = edited ? iso_transaction_values(t, edited - 1) : before,
