@@ -15,6 +15,7 @@ isosculpt --open points.ply --voxel-size 0.6 --headless --quiet --mesh of-points
 isosculpt --open brown.vdb --headless --quiet --mesh of-vdb.ply
 isosculpt --open of-mesh.vdb --headless --quiet --mesh of-mesh-vdb.ply
 for type in obj glb 3mf; do isosculpt --replay brown.strokes --headless --quiet --mesh brown.$type; done
+for type in glb 3mf; do isosculpt --open brown.$type --voxel-size 0.6 --headless --quiet --mesh of-$type.ply; done
 isorender brown.vdb --info >info
 isorender brown.vdb --grid Cd --info >colors 2>&1 || true
 python3 - <<'P'
@@ -48,7 +49,7 @@ def shares(name):
     near = lambda color: sum(max(abs(a - b) for a, b in zip(c, color)) <= 12 for c in found) / count
     return [near(color) for color in ((0x8c, 0x5a, 0x32), (0x20, 0x18, 0x14), (206, 142, 112))]
 wanted = shares("brown.ply")
-for name in "of-mesh.ply", "of-points.ply", "of-vdb.ply", "of-mesh-vdb.ply":
+for name in "of-mesh.ply", "of-points.ply", "of-vdb.ply", "of-mesh-vdb.ply", "of-glb.ply", "of-3mf.ply":
     expect(all(abs(a - b) < 0.02 and b > 0 for a, b in zip(wanted, shares(name))), name, wanted, shares(name))
 vertex = next(line for line in open("brown.obj") if line.startswith("v "))
 expect(len(vertex.split()) == 7, vertex)

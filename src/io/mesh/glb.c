@@ -1,9 +1,11 @@
 /* Meshes in binary glTF 2.0 (.glb; "glTF 2.0 Specification", Khronos 2021): the triangles of the file's
  * scene, each mesh where its node places it. glTF has metres and y up; they become mm and z up, as .glb is
- * written here. Materials are left out; skins, morph targets and animations are not applied. */
+ * written here. Colours are those of vertices times the materials' own, without textures; skins, morph
+ * targets and animations are not applied. */
 #include <jansson.h>
 #include <string.h>
 
+#include "base/srgb.h"
 #include "grids/volume/scalar_load.h"
 #include "io/mesh/placed_parts.h"
 
@@ -15,9 +17,10 @@ typedef struct glb {
     const unsigned char *data; /* of the buffer, NULL: there is none */
     uint64_t bytes;
     iso_buffer placed; /* of each node, whether it was met */
+    bool colored;      /* something in the file has a colour */
 } glb;
 
-/* Numbers in the buffer: `count` items of one or three. */
+/* Numbers in the buffer: `count` items of one, three or four. */
 typedef struct glb_accessor {
     const unsigned char *at; /* NULL: there is no accessor */
     uint64_t count, stride;
@@ -73,11 +76,16 @@ static bool scalar_of(uint64_t code, iso_scalar *scalar, double *scale) {
     return true;
 }
 
-static iso_status find_accessor(const glb *g, uint64_t index, unsigned components, glb_accessor *a,
+/* Types of accessors. */
+static const char SCALARS[] = "SCALAR", PLACES[] = "VEC3",
+                  COLORS[] = "VEC4"; /* colours can be VEC3 as well */
+
+static iso_status find_accessor(const glb *g, uint64_t index, const char *wanted, glb_accessor *a,
                                 iso_error *error) {
     const json_t *accessor = item_of(g, "accessors", index);
     const char *type = json_string_value(json_object_get(accessor, "type"));
-    if (!type || strcmp(type, components == 3 ? "VEC3" : "SCALAR") != 0 ||
+    const unsigned components = !type || wanted == SCALARS ? 1 : strcmp(type, COLORS) == 0 ? 4 : 3;
+    if (!type || (strcmp(type, wanted) != 0 && !(wanted == COLORS && strcmp(type, PLACES) == 0)) ||
         !scalar_of(index_of(accessor, "componentType", 0), &a->scalar, &a->scale))
         return bad(g, "an accessor of another type than it must have", error);
     if (!json_is_true(json_object_get(accessor, "normalized"))) a->scale = 1;
@@ -118,20 +126,59 @@ static void corners_of(uint64_t mode, uint64_t i, uint64_t corners[3]) {
     corners[2] = mode == LIST ? 3 * i + 2 : mode == STRIP ? i + 2 - odd : 0;
 }
 
+/* The colour of a primitive's material, linear; false: it has none of its own. */
+static bool material_color(const glb *g, const json_t *primitive, double color[4]) {
+    const json_t *material = item_of(g, "materials", index_of(primitive, "material", UINT64_MAX)),
+                 *surface = json_object_get(material, "pbrMetallicRoughness"),
+                 *factor = json_object_get(surface, "baseColorFactor");
+    for (int k = 0; k < 4; k++) color[k] = 1;
+    return !json_object_get(surface, "baseColorTexture") && factor && numbers_of(factor, 4, color);
+}
+
+/* Whether a vertex of some mesh has a colour. */
+static bool has_colors(const glb *g) {
+    size_t i, k;
+    double color[4];
+    const json_t *mesh, *primitive, *meshes = json_object_get(g->root, "meshes");
+    json_array_foreach(meshes, i, mesh) {
+        const json_t *primitives = json_object_get(mesh, "primitives");
+        json_array_foreach(primitives, k, primitive) {
+            const json_t *attributes = json_object_get(primitive, "attributes");
+            if (json_object_get(attributes, "COLOR_0") || material_color(g, primitive, color)) return true;
+        }
+    }
+    return false;
+}
+
+/* Gives vertex i the colour of its vertex, if there is one, times that of its material. */
+static iso_status add_color(const glb *g, const glb_accessor *colors, const double material[4], uint64_t i,
+                            iso_error *error) {
+    double color[3];
+    for (unsigned k = 0; k < 3; k++)
+        color[k] = iso_srgb_encode(material[k] * (colors->at ? number_at(colors, i, k) : 1));
+    return iso_mesh_add_color(g->r, color, error);
+}
+
 static iso_status add_primitive(const glb *g, const json_t *primitive, const iso_mesh_place *place,
                                 iso_error *error) {
     const uint64_t mode = index_of(primitive, "mode", 4);
     if (mode < 4) return ISO_OK; /* points and lines */
     if (mode > 6) return bad(g, "a primitive of a mode that glTF does not have", error);
-    glb_accessor points, indices = {.at = NULL};
+    glb_accessor points, indices = {.at = NULL}, colors = {.at = NULL};
+    double material[4];
+    material_color(g, primitive, material);
     const json_t *attributes = json_object_get(primitive, "attributes");
-    ISO_TRY(find_accessor(g, index_of(attributes, "POSITION", UINT64_MAX), 3, &points, error));
+    ISO_TRY(find_accessor(g, index_of(attributes, "POSITION", UINT64_MAX), PLACES, &points, error));
     if (json_object_get(primitive, "indices"))
-        ISO_TRY(find_accessor(g, index_of(primitive, "indices", UINT64_MAX), 1, &indices, error));
+        ISO_TRY(find_accessor(g, index_of(primitive, "indices", UINT64_MAX), SCALARS, &indices, error));
+    if (json_object_get(attributes, "COLOR_0"))
+        ISO_TRY(find_accessor(g, index_of(attributes, "COLOR_0", UINT64_MAX), COLORS, &colors, error));
+    if (colors.at && colors.count < points.count) return bad(g, "fewer colours than vertices", error);
     const iso_mesh_part part = iso_mesh_part_begin(g->r, place);
     for (uint64_t i = 0; i < points.count; i++) {
         const iso_vec3 p = {number_at(&points, i, 0), number_at(&points, i, 1), number_at(&points, i, 2)};
         ISO_TRY(iso_mesh_part_vertex(g->r, &part, p, error));
+        if (g->colored) ISO_TRY(add_color(g, &colors, material, i, error));
     }
     const uint64_t count = indices.at ? indices.count : points.count, triangles = mode == 4   ? count / 3
                                                                                   : count < 3 ? 0
@@ -228,6 +275,7 @@ static iso_status add_scene(glb *g, iso_error *error) {
         return iso_fail(error, ISO_ERR_UNSUPPORTED,
                         "%s: needs glTF's extension %.40s, which is not read: export it without", g->r->path,
                         extension);
+    g->colored = g->r->real_colors = has_colors(g);
     const json_t *scene = item_of(g, "scenes", index_of(g->root, "scene", 0));
     if (scene) {
         ISO_TRY(iso_reading_reserve(&g->r->text, &g->placed,

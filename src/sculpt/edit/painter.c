@@ -102,7 +102,8 @@ static const iso_paint_item *source_item(const iso_painter *painter, uint32_t ce
     return *item;
 }
 
-/* The colours of the eight voxels from `first` on; beyond the grid there are none. Returns whether there are any. */
+/* The colours of the eight voxels from `first` on; beyond the grid there are none. Returns whether there are
+ * any. */
 static bool find_corners(const iso_painter *painter, const int first[3], uint32_t *number,
                          const iso_paint_item **item, uint32_t corners[8]) {
     const iso_hgrid *grid = painter->transaction->grid;
