@@ -80,4 +80,22 @@ start --recover
 until_ "the recovered file" title_is ': painted.ply\*$'
 picture recovered
 look same painted.png recovered.png 500 || fail "recovered: another picture"
+stop
+
+# ---- a coloured mesh is opened with its colours, which a stroke without one covers, and undo brings back
+rm -rf "$state"
+start --open painted.ply --voxel-size 0.5
+until_ "the mesh" title_is 'painted.ply'
+head -1 "$journal" | grep -q '"colors":true' || fail "the journal does not say that the session began with colours"
+picture opened
+has_color opened.png 216 72 40 400,300,576,500 400 || fail "the mesh has no colours in the window"
+key a
+stroke 600 400 80 0
+until_ "a stroke" has_events end 1
+picture covered
+differ opened covered || fail "the stroke is not to be seen"
+key ctrl+z
+until_ "undo" has_events undo 1
+picture back
+cmp opened.png back.png || fail "undo does not bring the mesh's colours back"
 echo "passed"
