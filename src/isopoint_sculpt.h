@@ -119,7 +119,8 @@ ISO_API iso_status iso_sculpt_resume(const char *path, const iso_sculpt_opts *op
                                      iso_error *error);
 /* Waits until the journal is on disk; frees everything. Destroy the volume's surfaces first. NULL is fine. */
 ISO_API void iso_sculpt_destroy(iso_sculpt *sculpt);
-/* Returns the level set, whose surfaces follow every touch. It belongs to the sculpt: do not destroy it. */
+/* Returns the level set, whose surfaces follow every touch, and are drawn in its paint by methods that colour
+ * surfaces (unless iso_render_opts.color_by colours them). It belongs to the sculpt: do not destroy it. */
 ISO_API iso_volume *iso_sculpt_volume(iso_sculpt *sculpt);
 /* Begins a stroke with its first sample; more samples follow, then the end or a cancel. Each sample makes as
  * many touches as the brush's spacing requires, perhaps none. `stats` (may be NULL) is added to.

@@ -1,4 +1,4 @@
-/* coloring: checks iso_color_by, and makes colorings of it. */
+/* coloring: checks iso_color_by, and makes colorings of it and of paint. */
 #include "api/coloring.h"
 
 #include "base/memory.h"
@@ -78,25 +78,40 @@ static iso_status make(iso_api_colorings *all, int i, const iso_view *view, iso_
     return ISO_OK;
 }
 
-iso_status iso_api_colorings_begin(iso_surface *const *surfaces, const iso_render_opts *opts,
+/* Of a surface at the distance 0 of a sculpt. */
+static void use_paint(const iso_api_colored *what, int i, iso_api_colorings *all) {
+    iso_surface *surface = what->surfaces[i];
+    const iso_capability wanted = what->translucent ? ISO_CAN_COLOR_LAYERS : ISO_CAN_COLORS;
+    if (surface->scene.coloring || !surface->volume || !surface->volume->paint || surface->label_fields ||
+        surface->scene.isovalue != 0 || !(what->renderer->can & (unsigned)wanted))
+        return;
+    all->painted[i] = iso_painted_make(surface->volume->paint, surface->scene.grid.hgrid, what->colors[i]);
+    all->paint[i] = iso_painted_coloring(&all->painted[i]);
+    if (iso_painted_any(&all->painted[i])) surface->scene.coloring = &all->paint[i];
+}
+
+iso_status iso_api_colorings_begin(const iso_api_colored *what, const iso_render_opts *opts,
                                    const iso_view *view, iso_api_colorings *colorings, iso_error *error) {
     const size_t count = (size_t)opts->color_by_count;
-    *colorings =
-        (iso_api_colorings){.surfaces = surfaces, .given = opts->color_by, .count = opts->color_by_count};
-    if (!count) return ISO_OK;
-    colorings->made = iso_alloc_zero(count, sizeof *colorings->made);
-    colorings->distances = iso_alloc_zero(count, sizeof *colorings->distances);
-    if (!colorings->made || !colorings->distances)
-        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu colorings", count);
+    *colorings = (iso_api_colorings){.surfaces = what->surfaces,
+                                     .given = opts->color_by,
+                                     .count = opts->color_by_count,
+                                     .surface_count = what->count};
+    if (count) {
+        colorings->made = iso_alloc_zero(count, sizeof *colorings->made);
+        colorings->distances = iso_alloc_zero(count, sizeof *colorings->distances);
+        if (!colorings->made || !colorings->distances)
+            return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu colorings", count);
+    }
     for (int i = 0; i < colorings->count; i++) ISO_TRY(make(colorings, i, view, error));
+    for (int i = 0; i < what->count && !opts->glass && !opts->instances; i++) use_paint(what, i, colorings);
     return ISO_OK;
 }
 
 void iso_api_colorings_end(iso_api_colorings *colorings) {
-    for (int i = 0; i < colorings->count; i++) {
-        colorings->surfaces[colorings->given[i].surface]->scene.coloring = NULL;
-        if (colorings->distances) iso_distance_destroy(colorings->distances[i]);
-    }
+    for (int i = 0; i < colorings->surface_count; i++) colorings->surfaces[i]->scene.coloring = NULL;
+    for (int i = 0; i < colorings->count && colorings->distances; i++)
+        iso_distance_destroy(colorings->distances[i]);
     iso_free(colorings->distances);
     iso_free(colorings->made);
 }

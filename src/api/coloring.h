@@ -1,10 +1,12 @@
-/* coloring: iso_color_by of isopoint.h, as colorings of a scene. Internal to src/api. */
+/* coloring: iso_color_by of isopoint.h and the paint of sculpts, as colorings of a scene. Internal to
+ * src/api. */
 #ifndef ISO_API_COLORING_H
 #define ISO_API_COLORING_H
 
 #include "api/internal.h"
 #include "scene/coloring.h"
 #include "scene/method.h"
+#include "scene/painted.h"
 
 /* The colorings of a picture. Zero-initialise; iso_api_colorings_end when done. */
 typedef struct iso_api_colorings {
@@ -13,6 +15,9 @@ typedef struct iso_api_colorings {
     int count;
     iso_coloring *made; /* NULL: none */
     iso_distance **distances;
+    int surface_count;
+    iso_painted painted[ISO_SURFACE_MAX]; /* by surface */
+    iso_coloring paint[ISO_SURFACE_MAX];
 } iso_api_colorings;
 
 /* ISO_ERR_USAGE: something that cannot be. translucent: a surface is. */
@@ -20,9 +25,18 @@ iso_status iso_api_colorings_check(iso_surface *const *surfaces, int surface_cou
                                    const iso_render_opts *opts, const iso_renderer *renderer,
                                    bool translucent, iso_error *error);
 
-/* Sets the colorings of the surfaces, until iso_api_colorings_end. ISO_ERR_EMPTY: no surface to measure from;
- * ISO_ERR_NOMEM. */
-iso_status iso_api_colorings_begin(iso_surface *const *surfaces, const iso_render_opts *opts,
+/* The surfaces of a picture, how they are drawn, and their own colours. */
+typedef struct iso_api_colored {
+    iso_surface *const *surfaces;
+    int count;
+    const iso_renderer *renderer;
+    bool translucent; /* one of them is */
+    const iso_rgb *colors;
+} iso_api_colored;
+
+/* Sets the colorings of the surfaces, until iso_api_colorings_end; those of sculpts that have none are drawn
+ * in their paint, if the method can do so. ISO_ERR_EMPTY: no surface to measure from; ISO_ERR_NOMEM. */
+iso_status iso_api_colorings_begin(const iso_api_colored *what, const iso_render_opts *opts,
                                    const iso_view *view, iso_api_colorings *colorings, iso_error *error);
 void iso_api_colorings_end(iso_api_colorings *colorings);
 

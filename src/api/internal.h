@@ -13,6 +13,7 @@
 #include "scene/instances.h"
 #include "scene/object.h"
 #include "scene/occluders.h"
+#include "sculpt/field/cell_items.h"
 
 /* The caller's function for progress, and the part of the operation that is being done. */
 typedef struct iso_api_watch {
@@ -26,9 +27,10 @@ typedef struct iso_api_watch {
 typedef struct iso_api_volume {
     iso_volume volume;
     iso_pool *pool;
-    iso_api_watch watch; /* iso_volume_set_progress */
-    int surfaces;        /* number of surfaces that borrow the volume */
-    bool borrowed;       /* the grid and the pool belong to an iso_sculpt */
+    iso_api_watch watch;         /* iso_volume_set_progress */
+    int surfaces;                /* number of surfaces that borrow the volume */
+    bool borrowed;               /* the grid and the pool belong to an iso_sculpt */
+    const iso_cell_items *paint; /* of the sculpt, borrowed; NULL: it is no sculpt's */
 } iso_api_volume;
 
 static inline iso_api_volume *iso_api_volume_of(iso_volume *volume) {

@@ -565,7 +565,8 @@ static iso_status render(rendering *r, iso_image *image, iso_error *error) {
     if (opts->aov) opts->aov->voxel = smallest_spacing(r);
     begin_cuts(r, &box);
     const iso_view view = iso_view_make(&r->camera, width, height);
-    ISO_TRY(iso_api_colorings_begin(r->surfaces, opts, &view, &r->colorings, error));
+    const iso_api_colored colored = {r->surfaces, r->count, r->renderer, r->translucent, r->colors};
+    ISO_TRY(iso_api_colorings_begin(&colored, opts, &view, &r->colorings, error));
     size_t covered = 0;
     ISO_TRY(draw_picture(r, image, &covered, error));
     if (opts->instance_counts) *opts->instance_counts = iso_placed_counts(&r->placed);

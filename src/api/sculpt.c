@@ -48,6 +48,7 @@ static void describe(iso_sculpt *sculpt) {
     iso_volume_info *info = &volume->info;
     volume->grid.hgrid = iso_session_grid(sculpt->session);
     sculpt->volume.borrowed = true;
+    sculpt->volume.paint = iso_session_paint(sculpt->session);
     strcpy(info->format, "sculpt");
     memcpy(info->dims, volume->grid.hgrid->dims, sizeof info->dims);
     info->type = ISO_FLOAT32;

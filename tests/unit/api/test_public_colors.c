@@ -99,8 +99,62 @@ static void surfaces_are_smooth_by_a_filter(void **state) {
     iso_volume_destroy(volume);
 }
 
+/* A sculpt that is painted all over is drawn as a plain one of that colour. */
+static void sculpts_are_drawn_in_their_paint(void **state) {
+    (void)state;
+    const iso_rgb red = {200, 40, 30};
+    const iso_brush brush = {.tool = ISO_TOOL_PAINT,
+                             .falloff = ISO_FALLOFF_CONSTANT,
+                             .strength = 1,
+                             .radius = 25,
+                             .has_color = true,
+                             .color = red};
+    const iso_sample sample = {.normal = {0, 0, 1}, .pressure = 1};
+    const iso_sculpt_opts small = {.dims = {64, 64, 64}};
+    const iso_surface_opts in_red = {.color = &red};
+    iso_sculpt *sculpt;
+    iso_surface *plain, *colored;
+    iso_image wanted = {0}, drawn = {0}, before = {0};
+    assert_int_equal(iso_sculpt_create(&small, &sculpt, NULL), ISO_OK);
+    assert_int_equal(iso_surface_create(iso_sculpt_volume(sculpt), NULL, &plain, NULL), ISO_OK);
+    assert_int_equal(iso_surface_create(iso_sculpt_volume(sculpt), &in_red, &colored, NULL), ISO_OK);
+    iso_render_opts opts = {.width = 64, .height = 48, .samples = 1};
+    assert_int_equal(iso_render(plain, &opts, &before, NULL), ISO_OK);
+    const iso_method methods[] = {ISO_METHOD_EXACT, ISO_METHOD_MESH, ISO_METHOD_DISCS};
+    iso_image reds[3] = {{0}};
+    for (int i = 0; i < 3; i++) {
+        opts.method = methods[i];
+        assert_int_equal(iso_render(colored, &opts, &reds[i], NULL), ISO_OK);
+    }
+    assert_int_equal(iso_sculpt_begin(sculpt, &brush, &sample, NULL, NULL), ISO_OK);
+    assert_int_equal(iso_sculpt_end(sculpt, NULL), ISO_OK);
+    for (int i = 0; i < 3; i++) {
+        iso_difference difference = {0};
+        opts.method = methods[i];
+        assert_int_equal(iso_render(plain, &opts, &drawn, NULL), ISO_OK);
+        assert_int_equal(iso_compare_images(&reds[i], &drawn, NULL, &difference, NULL), ISO_OK);
+        if (!(difference.psnr > 50)) fail_msg("method %d: %g dB", i, difference.psnr);
+    }
+    const iso_color_by by = {.source = ISO_COLOR_BY_NORMAL}; /* is instead of the paint */
+    opts.method = ISO_METHOD_EXACT;
+    opts.color_by = &by;
+    opts.color_by_count = 1;
+    assert_int_equal(iso_render(plain, &opts, &wanted, NULL), ISO_OK);
+    assert_memory_not_equal(wanted.rgba, reds[0].rgba, bytes_of(&wanted));
+    opts.color_by_count = 0;
+    assert_int_equal(iso_sculpt_undo(sculpt, NULL), ISO_OK);
+    assert_int_equal(iso_render(plain, &opts, &drawn, NULL), ISO_OK);
+    assert_memory_equal(before.rgba, drawn.rgba, bytes_of(&before));
+    iso_image *const images[] = {&wanted, &drawn, &before, &reds[0], &reds[1], &reds[2]};
+    for (int i = 0; i < 6; i++) iso_image_free(images[i]);
+    iso_surface_destroy(plain);
+    iso_surface_destroy(colored);
+    iso_sculpt_destroy(sculpt);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(surfaces_are_colored_by_data),
+                                       cmocka_unit_test(sculpts_are_drawn_in_their_paint),
                                        cmocka_unit_test(surfaces_are_smooth_by_a_filter)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
