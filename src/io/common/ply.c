@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/text.h"
 #include "grids/volume/scalar_load.h"
 
@@ -315,6 +316,8 @@ iso_status iso_ply_open(const char *path, iso_ply *ply, iso_error *error) {
     skip_mark(ply);
     if (!read_magic(ply)) {
         if (ferror(ply->in.file)) return iso_stream_fail(&ply->in, error);
+        ISO_TRY(
+            iso_file_check_text(path, ply->in.buffer + ply->in.place, ply->in.end - ply->in.place, error));
         return iso_fail(error, ISO_ERR_FORMAT, "%s: not a PLY file", path);
     }
     ISO_TRY(read_header(ply, error));
