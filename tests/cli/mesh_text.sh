@@ -4,6 +4,7 @@ facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 
 solid = "solid a\n" + facet % 0 + facet % 5 + "endsolid a\n"
 open("in/mark.stl", "w").write("\ufeff" + solid)
 open("in/capitals.stl", "w").write(solid.upper())
+open("in/blank.stl", "w").write("\n  " + solid)
 open("in/wide.stl", "w", encoding="utf-16").write(solid)
 open("in/wide.obj", "w", encoding="utf-16").write("v 0 0 0\n")
 open("in/number.stl", "w").write(solid.replace("vertex 9 0 0", "vertex 9 0 0x"))
@@ -21,13 +22,13 @@ open("in/short.ply", "w").write(header.replace("vertex 3", "vertex 4").replace("
 open("in/one_row.ply", "w").write(header + body.replace("\n", " "))
 open("in/none.obj", "w").write("v 0 0 0\nv 1 2 3\nv -1 -2 -3\nf 1 2 3\n")
 P
-for file in mark.stl capitals.stl mark.ply mark_body.ply; do
+for file in mark.stl capitals.stl blank.stl mark.ply mark_body.ply; do
     isorender --surface in/$file $file.png --quiet
 done
 python3 - <<'P'
 from check import *
-pictures = [Png(name + ".png").rows for name in ("mark.stl", "capitals.stl", "mark.ply", "mark_body.ply")]
-expect(pictures[0] == pictures[1] and pictures[2] == pictures[3], "other pictures")
+pictures = [Png(name + ".png").rows for name in ("mark.stl", "capitals.stl", "blank.stl", "mark.ply", "mark_body.ply")]
+expect(pictures[0] == pictures[1] == pictures[2] and pictures[3] == pictures[4], "other pictures")
 P
 isorender_refuses 3 "wide.stl: text in UTF-16" --surface in/wide.stl
 isorender_refuses 3 "wide.obj: text in UTF-16" --surface in/wide.obj
