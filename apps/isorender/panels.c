@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/common/input_spool.h"
 #include "apps/common/picture_grid.h"
 #include "apps/common/template.h"
 #include "apps/isorender/annotations.h"
@@ -224,6 +225,9 @@ static iso_status add_files(sheet *p, iso_error *error) {
         const char *file = i ? files->values[i - 1] : p->plan->input;
         char *model = NULL;
         cell *c = NULL;
+        /* only the input may be one that is read to its end once, or waited for */
+        if (i && iso_spool_is_stream(file))
+            return iso_fail(error, ISO_ERR_IO, "%s: not a regular file", iso_spool_name(file));
         ISO_TRY(iso_template_model(file, &model, error));
         const iso_status status = add_cell(p, model, &c, error);
         free(model);

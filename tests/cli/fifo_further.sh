@@ -32,6 +32,10 @@ for option in ("--volume", "--surface", "--lines", "--glyphs"):
         os.mkfifo(name)
         ends((2, 3), name, "isorender", "ball.mha", option, name, "-o", "o.png")
         os.remove(name)
+for name in ("p.nrrd", "p.ply", "p"):
+    os.mkfifo(name)
+    refused(name, "ball.mha", "--panel-file", name)
+    os.remove(name)
 os.mkfifo("p.png")
 os.mkfifo("p.exr")
 for name in ("p.png", "p.exr"):
