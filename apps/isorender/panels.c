@@ -99,6 +99,9 @@ iso_status isorender_panels_check(isorender_settings *settings, iso_error *error
     if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--panels cannot be combined with %s", unfit);
     if (settings->panels && settings->panel_files.count)
         return iso_fail(error, ISO_ERR_USAGE, "panels differ in one thing: give --panels or --panel-file");
+    if (settings->panels && settings->input_count && iso_spool_is_stream(settings->inputs[0]))
+        return iso_fail(error, ISO_ERR_USAGE, "--panels reads %s for each panel: it must be a file",
+                        iso_spool_name(settings->inputs[0]));
     if (given && strcmp(settings->backend, "auto") == 0) settings->backend = "cpu";
     const iso_option *option;
     const char *values;
