@@ -138,7 +138,7 @@ static void test_decisions(void **state) {
     }
 }
 
-/* The colours behind the intensity of .pts files are its colours when all of them are 0, too: not used then. */
+/* The colours behind the intensity of .pts files are colours when all of them are 0, too: not used then. */
 static void test_zero_colors(void **state) {
     (void)state;
     iso_glyphs glyphs = read_text(FILE_PTS, "1 2 3 50 0 0 0\n1 2 3 60 0 0 0\n");
