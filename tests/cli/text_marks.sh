@@ -1,4 +1,5 @@
-# Headers in text that editors have saved with a byte order mark are read; those in UTF-16 are refused by name.
+# Text that editors have saved with a byte order mark is read: headers, colours, labels and scenes; headers in UTF-16 are refused by
+# name.
 python3 - <<'P'
 voxels = " ".join(str(max(0, 200 - 20 * ((i % 8 - 4) ** 2 + (i // 8 % 8 - 4) ** 2 + (i // 64 - 4) ** 2))) for i in range(512))
 open("in/voxels.raw", "wb").write(bytes(map(int, voxels.split())))
@@ -25,3 +26,19 @@ for name in a.nhdr a.nrrd a.mhd volume.vtk mesh.vtk a.pcd a.ply; do
     python3 -c 'from check import *; expect(report("plain.json")["image"]["hash"] == report("mark.json")["image"]["hash"], "another picture")'
     isorender_refuses 3 "in/wide_$name: text in UTF-16, which is not read; save it as UTF-8" in/wide_$name
 done
+# a colormap, a scene, and names of labels
+mark() { printf '\357\273\277' | cat - "$1"; }
+printf '255 0 0\n0 255 0\n' >in/plain.txt
+mark in/plain.txt >in/mark.txt
+printf '200 ball 255 0 0 0\n' >in/plain_labels.txt
+mark in/plain_labels.txt >in/mark_labels.txt
+isorender in/plain_a.nhdr scene.png --save-scene in/plain.json --quiet --isovalue 100
+mark in/plain.json >in/mark.json
+for kind in plain mark; do
+    isorender in/plain_a.nhdr colors.png --quiet --isovalue 100 --resolution 40x40 --surface-color-by depth --colormap in/$kind.txt --json=$kind.colors.json
+    isorender in/plain_a.nhdr labels.png --quiet --resolution 40x40 --smooth --label ball --label-table in/${kind}_labels.txt --json=$kind.labels.json
+    isorender in/$kind.json scene.png --quiet --resolution 40x40 --json=$kind.scene.json
+done
+python3 -c 'from check import *
+for what in ("colors", "labels", "scene"):
+    expect(report("plain.%s.json" % what)["image"]["hash"] == report("mark.%s.json" % what)["image"]["hash"], what)'
