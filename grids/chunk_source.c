@@ -1,6 +1,7 @@
 /* chunk_source: chunks of a volume that is in memory, and visits of all chunks. */
 #include "grids/chunk_source.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/numbers.h"
@@ -139,11 +140,12 @@ static iso_status visit_chunk(visit *v, const iso_grid_chunk *chunk, iso_error *
     int first[3], end[3];
     float value;
     voxels_of(chunk, first, end);
-    if (is_like_last(v, chunk)) return v->visit(v->context, v->constant, first, error);
+    if (is_like_last(v, chunk)) return v->visit(v->context, v->constant, first, true, error);
+    const bool constant = is_constant(v->source, chunk, &value);
     ISO_TRY(v->source->read(v->source->context, chunk, v->pool, &grid, error));
     iso_status status = crop_to_box(chunk, grid, error);
-    if (status == ISO_OK) status = v->visit(v->context, grid, first, error);
-    if (status == ISO_OK && is_constant(v->source, chunk, &value)) {
+    if (status == ISO_OK) status = v->visit(v->context, grid, first, constant, error);
+    if (status == ISO_OK && constant) {
         iso_rgrid_destroy(v->constant);
         v->constant = grid;
         v->value = value;
@@ -179,11 +181,13 @@ typedef struct nonfinite_sum {
     size_t count;
 } nonfinite_sum;
 
-static iso_status add_nonfinite(void *context, const iso_rgrid *grid, const int first[3], iso_error *error) {
+static iso_status add_nonfinite(void *context, const iso_rgrid *grid, const int first[3], bool constant,
+                                iso_error *error) {
     nonfinite_sum *sum = context;
     const iso_grid handle = {.rgrid = (iso_rgrid *)(uintptr_t)grid};
     (void)first, (void)error;
-    sum->count += iso_grid_count_nonfinite(&handle, sum->pool);
+    if (!constant || !isfinite(iso_rgrid_at(grid, 0, 0, 0)))
+        sum->count += iso_grid_count_nonfinite(&handle, sum->pool);
     return ISO_OK;
 }
 

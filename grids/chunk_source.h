@@ -67,10 +67,11 @@ typedef struct iso_chunk_turns {
 } iso_chunk_turns;
 
 /* Calls `visit` for the chunks of a volume (iso_chunk_cuts_make), one after the other. `grid`: the chunk's
- * voxels without its halo, for the call only; `first`: the number in the volume of its voxel (0, 0, 0). When
- * `visit` fails, its status is returned. Errors of reading. */
+ * voxels without its halo, for the call only; `first`: the number in the volume of its voxel (0, 0, 0);
+ * `constant`: all voxels are known to be equal. When `visit` fails, its status is returned. Errors of
+ * reading. */
 typedef iso_status iso_chunk_voxels_visitor(void *context, const iso_rgrid *grid, const int first[3],
-                                            iso_error *error);
+                                            bool constant, iso_error *error);
 iso_status iso_chunk_source_visit(const iso_chunk_source *source, int side, iso_chunk_turns turns,
                                   iso_pool *pool, iso_chunk_voxels_visitor *visit, void *context,
                                   iso_error *error);

@@ -23,10 +23,13 @@ enum {
     BLOCK = 1 << 20 /* bytes; a header that is parsed has to end within the first block */
 };
 
-bool iso_spool_needed(const char *path) {
+bool iso_spool_is_stream(const char *path) {
     struct stat info;
-    return strcmp(path, "-") == 0 || iso_volume_is_remote_file(path) ||
-           (stat(path, &info) == 0 && S_ISFIFO(info.st_mode));
+    return strcmp(path, "-") == 0 || (stat(path, &info) == 0 && S_ISFIFO(info.st_mode));
+}
+
+bool iso_spool_needed(const char *path) {
+    return iso_spool_is_stream(path) || iso_volume_is_remote_file(path);
 }
 
 const char *iso_spool_name(const char *path) {

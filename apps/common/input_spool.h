@@ -35,6 +35,9 @@ typedef struct iso_spool_opts {
     bool points;                   /* also accept a .ply file */
 } iso_spool_opts;
 
+/* Whether an input is a FIFO or standard input ("-"), which can be read once. */
+bool iso_spool_is_stream(const char *path);
+
 /* Whether the input must be copied: "-" (standard input), the name of a FIFO, or the URL of a file. */
 bool iso_spool_needed(const char *path);
 

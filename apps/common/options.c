@@ -225,13 +225,14 @@ static int remoteness(const char *typed, const char *name) {
     size_t length = strlen(typed);
     if (length >= 2 && strncmp(typed, name, length) == 0) return 0;
     int edits = distance(typed, name);
-    int allowed = length < 4 ? 1 : length < 9 ? 2 : 3;
+    int allowed = length < 6 ? 1 : length < 9 ? 2 : 3;
     return edits <= allowed ? edits : INT_MAX;
 }
 
-const char *iso_options_nearest(const iso_program *program, const char *name) {
+/* The option with the name nearest to the typed one, if it is nearer than `most`; NULL: there is none. */
+static const char *find_nearest(const iso_program *program, const char *name, int most) {
     const char *nearest = NULL;
-    int best = INT_MAX;
+    int best = most;
     for (size_t i = 0; i < program->option_count; i++) {
         const iso_option *option = &program->options[i];
         if (option->flags & ISO_OPTION_HIDDEN) continue;
@@ -242,6 +243,24 @@ const char *iso_options_nearest(const iso_program *program, const char *name) {
         }
     }
     return nearest;
+}
+
+/* Explains a name, without dashes before it, that is an option's or a word of other programs. */
+static bool explain_known(const iso_program *program, const char *name, char *hint, size_t size) {
+    if (!iso_options_find(program, name, strlen(name))) return iso_synonym_explain(program, name, hint, size);
+    snprintf(hint, size, "did you mean --%s?", name);
+    return true;
+}
+
+/* Explains a name of several words by fewer that are known: without the last one, or without the first. */
+static bool explain_words(const iso_program *program, const char *name, char *hint, size_t size) {
+    char part[NAME_MAX_LENGTH + 1];
+    const char *const last = strrchr(name, '-');
+    if (!last) return false;
+    snprintf(part, sizeof part, "%.*s", (int)(last - name), name);
+    const char *const rest = strchr(name, '-') + 1;
+    return explain_known(program, part, hint, size) || explain_known(program, rest, hint, size) ||
+           explain_words(program, part, hint, size) || explain_words(program, rest, hint, size);
 }
 
 /* Writes a name as the names of options are written: in lower case, words joined by '-'. */
@@ -258,8 +277,11 @@ static void explain_unknown(const iso_program *program, const char *argument, ch
     if (iso_options_find(program, name, strlen(name))) /* with one dash, or in capitals */
         snprintf(hint, sizeof hint, "did you mean %s%s?", name[1] ? "--" : "-", name);
     else if (!iso_synonym_explain(program, name, hint, sizeof hint)) {
-        const char *nearest = iso_options_nearest(program, name);
-        snprintf(hint, sizeof hint, nearest ? "did you mean --%s?" : "see --help", nearest);
+        const char *nearest = find_nearest(program, name, 2); /* its beginning, or a letter is wrong */
+        if (nearest || !explain_words(program, name, hint, sizeof hint)) {
+            if (!nearest) nearest = find_nearest(program, name, INT_MAX);
+            snprintf(hint, sizeof hint, nearest ? "did you mean --%s?" : "see --help", nearest);
+        }
     }
     snprintf(text, size, "%.*s (%s)", (int)strcspn(argument, "="), argument, hint);
 }

@@ -116,9 +116,6 @@ const iso_option *iso_options_find(const iso_program *program, const char *name,
  * reason, without the option's name. */
 iso_status iso_option_store(const iso_option *option, const char *value, void *settings, iso_error *error);
 
-/* Returns the name in the table that is nearest to `name` (no dashes), or NULL when none is near. */
-const char *iso_options_nearest(const iso_program *program, const char *name);
-
 /* Parses a number of bytes, such as 512M. False, and *out untouched, when `text` is anything else. */
 bool iso_parse_size(const char *text, uint64_t *out);
 /* Parses a number, or a percentage: 0.3 or 30%. False, and *out untouched, when `text` is anything else. */

@@ -13,6 +13,7 @@
 #include "base/file_identity.h"
 #include "base/file_set.h"
 #include "base/file_types.h"
+#include "base/text.h"
 #include "image/png_text.h"
 
 /* Larger files hold no scene, bytes. */
@@ -217,7 +218,7 @@ iso_status iso_scene_json_read(const char *path, json_t **scene, iso_error *erro
     *scene = NULL;
     const bool is_png = iso_file_type_of_name(path, ISO_HOLDS_SCENE) == ISO_FILE_png;
     ISO_TRY(is_png ? iso_png_read_text(path, "Scene", &text, error) : read_text(path, &text, error));
-    json_t *found = json_loads(text, JSON_REJECT_DUPLICATES, &reason);
+    json_t *found = json_loads(text + iso_text_mark(text, strlen(text)), JSON_REJECT_DUPLICATES, &reason);
     free(text);
     if (!found) return iso_fail(error, ISO_ERR_FORMAT, "%s: line %d: %s", path, reason.line, reason.text);
     iso_status status = ISO_OK;

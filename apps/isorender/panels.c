@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/common/input_spool.h"
 #include "apps/common/picture_grid.h"
 #include "apps/common/template.h"
 #include "apps/isorender/annotations.h"
@@ -98,6 +99,9 @@ iso_status isorender_panels_check(isorender_settings *settings, iso_error *error
     if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--panels cannot be combined with %s", unfit);
     if (settings->panels && settings->panel_files.count)
         return iso_fail(error, ISO_ERR_USAGE, "panels differ in one thing: give --panels or --panel-file");
+    if (settings->panels && settings->input_count && iso_spool_is_stream(settings->inputs[0]))
+        return iso_fail(error, ISO_ERR_USAGE, "--panels reads %s for each panel: it must be a file",
+                        iso_spool_name(settings->inputs[0]));
     if (given && strcmp(settings->backend, "auto") == 0) settings->backend = "cpu";
     const iso_option *option;
     const char *values;
@@ -224,6 +228,9 @@ static iso_status add_files(sheet *p, iso_error *error) {
         const char *file = i ? files->values[i - 1] : p->plan->input;
         char *model = NULL;
         cell *c = NULL;
+        /* only the input may be one that is read to its end once, or waited for */
+        if (i && iso_spool_is_stream(file))
+            return iso_fail(error, ISO_ERR_IO, "%s: not a regular file", iso_spool_name(file));
         ISO_TRY(iso_template_model(file, &model, error));
         const iso_status status = add_cell(p, model, &c, error);
         free(model);

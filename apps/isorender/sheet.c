@@ -45,6 +45,9 @@ iso_status isorender_sheet_check(isorender_settings *settings, const iso_operand
     ISO_TRY(isorender_bids_find(operands->values[0], &settings->sheet.bids, error));
     settings->inputs = (const char *const *)settings->sheet.bids.images;
     settings->input_count = settings->sheet.bids.count;
+    for (int i = 0; i < settings->input_count; i++)
+        if (iso_spool_is_stream(settings->inputs[i]))
+            return iso_fail(error, ISO_ERR_IO, "%s: not a regular file", settings->inputs[i]);
     return ISO_OK;
 }
 

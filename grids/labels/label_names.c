@@ -115,9 +115,10 @@ iso_status iso_label_names_read(const char *path, iso_label_names *names, iso_er
     for (int number = 1; status == ISO_OK && fgets(line, sizeof line, stream); number++) {
         iso_label_name name;
         line[strcspn(line, "\r\n")] = 0;
-        const char *text = line + strspn(line, " \t");
+        char *const row = line + (number == 1 ? iso_text_mark(line, strlen(line)) : 0);
+        const char *text = row + strspn(row, " \t");
         if (!*text || *text == '#') continue;
-        if (parse_row(line, &name))
+        if (parse_row(row, &name))
             status = add(names, &name, error);
         else
             status = iso_fail(error, ISO_ERR_FORMAT,
@@ -183,7 +184,7 @@ static iso_status read_segments(FILE *stream, iso_label_names *names, int *numbe
         const char *rest;
         line[strcspn(line, "\r\n")] = 0;
         if (!*line) break;
-        if (i == 0 && strncmp(line, "NRRD", 4) != 0) break;
+        if (i == 0 && strncmp(line + iso_text_mark(line, strlen(line)), "NRRD", 4) != 0) break;
         const int number = segment_of(line, &rest);
         if (number < 0) continue;
         iso_label_name *name = find_segment(names, numbers, number, error);

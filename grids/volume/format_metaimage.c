@@ -18,6 +18,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "grids/volume/format.h"
 
 enum { MAX_DIMS = 10, MAX_LINE = 4096, MAX_LINES = 1000, MAX_PART = 1 << 20 };
@@ -167,7 +168,9 @@ static iso_status parse_lines(const char *path, FILE *file, meta_header *header,
     for (int i = 0; i < MAX_LINES && fgets(line, sizeof line, file); i++) {
         if (!strchr(line, '\n')) iso_format_skip_line(file); /* a long comment */
         size_t end = strcspn(line, "=:");
-        char *key = line, *value = line + end;
+        const size_t mark = i ? 0 : iso_text_mark(line, strlen(line));
+        if (i == 0) ISO_TRY(iso_file_check_text(path, line, strlen(line), error));
+        char *key = line + mark, *value = line + end;
         if (*value) *value++ = 0;
         trim(&key);
         trim(&value);

@@ -16,6 +16,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "grids/volume/format.h"
 #include "grids/volume/rectilinear.h"
 
@@ -333,7 +334,10 @@ static iso_status take_keyword(vtk_file *f, const char *word) {
 static iso_status scan_arrays(vtk_file *f) {
     char word[MAX_NAME];
     const char magic[] = "# vtk DataFile";
-    if (fread(word, 1, sizeof magic - 1, f->stream) != sizeof magic - 1 ||
+    const size_t got = fread(word, 1, sizeof magic - 1, f->stream), mark = iso_text_mark(word, got);
+    ISO_TRY(iso_file_check_text(f->path, word, got, &f->problem));
+    memmove(word, word + mark, got - mark);
+    if (got - mark + fread(word + got - mark, 1, mark, f->stream) != sizeof magic - 1 ||
         memcmp(word, magic, sizeof magic - 1) != 0)
         return bad(f, "it does not begin with '# vtk DataFile'");
     iso_format_skip_line(f->stream);

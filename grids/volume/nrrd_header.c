@@ -15,6 +15,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "grids/volume/nrrd.h"
 
 typedef struct parser {
@@ -616,6 +617,8 @@ static bool is_magic(const char *line) {
 
 static iso_status parse_lines(parser *p) {
     char *line = NULL;
+    ISO_TRY(iso_file_check_text(p->path, p->at, (size_t)(p->end - p->at), p->error));
+    p->at += iso_text_mark(p->at, (size_t)(p->end - p->at));
     if (!next_line(p, &line) || !is_magic(line))
         return iso_fail(p->error, ISO_ERR_FORMAT, "%s: not an NRRD file", p->path);
     bool ended = false;

@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/text.h"
+
 static iso_status fail_type(const char *path, const struct stat *info, iso_error *error) {
     return iso_fail(error, ISO_ERR_IO, "%s: not a regular file%s", path,
                     S_ISDIR(info->st_mode) ? " but a folder" : "");
@@ -55,6 +57,13 @@ size_t iso_file_head(const char *path, void *head, size_t bytes) {
         now = read(file, (char *)head + done, bytes - done);
     close(file);
     return done;
+}
+
+iso_status iso_file_check_text(const char *path, const void *head, size_t bytes, iso_error *error) {
+    const char *wide = iso_text_wide(head, bytes);
+    return wide ? iso_fail(error, ISO_ERR_FORMAT, "%s: text in %s, which is not read; save it as UTF-8", path,
+                           wide)
+                : ISO_OK;
 }
 
 /* The permissions of the new file: those of an existing target, else those that fopen would give it. */

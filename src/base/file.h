@@ -35,6 +35,10 @@ iso_status iso_file_descriptor(const char *path, int *descriptor, uint64_t *byte
  * none. */
 size_t iso_file_head(const char *path, void *head, size_t bytes);
 
+/* ISO_ERR_FORMAT when the first bytes of a file that should be text are the byte order mark of UTF-16 or
+ * UTF-32 (base/text.h): it says so. */
+iso_status iso_file_check_text(const char *path, const void *head, size_t bytes, iso_error *error);
+
 typedef struct iso_sink {
     FILE *stream;    /* write to it freely; errors are found by iso_sink_commit */
     char *target;    /* owned; NULL: standard output */

@@ -3,6 +3,7 @@
 #include "exact/frame.h"
 
 #include <limits.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -172,6 +173,10 @@ iso_exact_scratch *iso_exact_scratch_create(size_t workers, int width, int rows)
     const size_t words = (size_t)width / 64 + 2, open = words * (size_t)rows;
     iso_exact_scratch *scratch = iso_alloc(workers * (sizeof *scratch + open * sizeof *scratch->open));
     for (size_t worker = 0; scratch && worker < workers; worker++) {
+        /* Whole vectors are read, also behind the last pair and hit: what is computed from these lanes is not
+         * used, but they have values. */
+        memset(scratch[worker].pixel, 0, sizeof scratch->pixel);
+        memset(&scratch[worker].hits, 0, offsetof(iso_exact_hits, place));
         scratch[worker].words = (int)words;
         scratch[worker].open = (uint64_t *)(scratch + workers) + worker * open;
     }

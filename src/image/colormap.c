@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/parse.h"
+#include "base/text.h"
 
 enum { STEPS = 64 };
 
@@ -132,6 +133,7 @@ typedef struct color_rows {
 static iso_status take_row(const char *path, int number, char *row, color_rows *rows, iso_error *error) {
     double rgb[3];
     row[strcspn(row, "\r\n")] = 0;
+    if (number == 1) row += iso_text_mark(row, strlen(row));
     row += strspn(row, " \t");
     const bool hexadecimal = parse_hexadecimal(row, rgb);
     if (!*row || (*row == '#' && !hexadecimal)) return ISO_OK;

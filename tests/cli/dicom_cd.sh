@@ -31,7 +31,7 @@ with open("in/cd/AUTORUN.INF", "w") as file:
     file.write("[autorun]")
 for _ in range(2):
     found = read("in/cd", 9)
-    expect(found["notes"] == ["the images are in subfolders: DICOM/PA0/ST0/SE2", "several series: using 2 of 3, \"\", which has "
+    expect(found["notes"] == ["the images are in subfolders: DICOM/PA0/ST0/SE2", "several series: using 2 of 3, which has "
                               "most images (--series)", "1 file is left out: AUTORUN.INF: not a DICOM file"], found["notes"])
     expect([item[:18] for item in found["items"]] == ["1  CT  16x16x4  - ", "2  CT  16x16x9  - ", "3  CT  16x16x6  - "], found)
     expect(found["items"][0].endswith("1.2.3.1  DICOM/PA0/ST0/SE1"), found)

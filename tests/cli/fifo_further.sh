@@ -32,6 +32,18 @@ for option in ("--volume", "--surface", "--lines", "--glyphs"):
         os.mkfifo(name)
         ends((2, 3), name, "isorender", "ball.mha", option, name, "-o", "o.png")
         os.remove(name)
+for name in ("p.nrrd", "p.ply", "p"):
+    os.mkfifo(name)
+    refused(name, "ball.mha", "--panel-file", name)
+    ends((2,), "--panels reads " + name, "isorender", name, "--panels", "isovalue=1,2", "-o", "o.png")
+    os.remove(name)
+ends((2,), "--panels reads standard input", "isorender", "-", "--panels", "isovalue=1,2", "-o", "o.png")
+os.makedirs("bids/sub-1/anat")
+with open("bids/dataset_description.json", "w") as file:
+    file.write("{}")
+os.mkfifo("bids/sub-1/anat/sub-1_T1w.nii")
+ends((3,), "sub-1_T1w.nii: not a regular file", "isorender", "sheet", "bids", "-o", "o.html")
+shutil.rmtree("bids")
 os.mkfifo("p.png")
 os.mkfifo("p.exr")
 for name in ("p.png", "p.exr"):

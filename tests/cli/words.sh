@@ -47,6 +47,15 @@ means --jpg 'did you mean --output?'
 means --export-stl 'did you mean --mesh?'
 refuses 2 'unknown option --input (files are named without an option: .*)' isosculpt --input x.stl
 refuses 2 'unknown option --matcap (colours and lights are chosen in the window)' isosculpt --matcap x
+# of several words those that are known count, before other options that are spelt nearly so
+means --threshold-value 'did you mean --isovalue?'
+means --img-size 'did you mean --resolution?'
+means --write-stl 'did you mean --mesh?'
+means --rotate-about-x 'did you mean --azimuth?'
+means --min-sise 'did you mean --min-size?'
+means --dest 'did you mean --output?'
+means --mn 'see --help'
+means --lamp 'the two lights are fixed; .*'
 # words whose options a program lacks are no hint there
 refuses 2 'unknown option --yaw (see --help)' isocompare --yaw 3
 refuses 2 'unknown option --threshold (did you mean --isovalue?)' isosculpt --threshold 3

@@ -60,6 +60,8 @@ def array(folder, version, sides=(16, 24, 32), step=1, axes="zyx", coded=True, s
         write_json(folder + "/.zarray", {"zarr_format": 2, "shape": shape, "chunks": chunks, "dtype": ">i2", "order": "C",
                                          "fill_value": -7, "filters": None, "dimension_separator": "/",
                                          "compressor": {"id": "zlib", "level": 5} if coded else None})
+        if axes != "zyx":
+            write_json(folder + "/.zattrs", {"_ARRAY_DIMENSIONS": list(axes)})
     else:
         write_json(folder + "/zarr.json", {
             "zarr_format": 3, "node_type": "array", "shape": shape, "data_type": "int16", "fill_value": -7, "codecs": codecs,
@@ -132,7 +134,7 @@ if status == 3 and "is not installed" in text:
     sys.exit(77)
 expect(status == 0 and "z 53 by 16" not in text and "axis 0 53 by 16" in text and "zlib" in text, text)
 wanted = picture("in/plain.nrrd")  # with the default isovalue
-for name, options in (("v2", {"version": 2}), ("v2p", {"version": 2, "coded": False}), ("v3", {"version": 3}),
+for name, options in (("v2", {"version": 2}), ("v2p", {"version": 2, "coded": False}), ("v2xyz", {"version": 2, "axes": "xyz"}), ("v3", {"version": 3}),
                       ("v3xyz", {"version": 3, "axes": "xyz"}), ("v3yzx", {"version": 3, "axes": "yzx", "coded": False}),
                       ("shards", {"version": 3, "shard": (2, 2, 2)})):
     array("in/%s.zarr" % name, **options)

@@ -63,6 +63,14 @@ for separator in "/.":
         if not more:
             expect("999997 of 1000000 tiles are not in the file: their voxels are 5" in text, text)
 
+        # the histogram, too, of which absent chunks are a part
+        status, text = run(folder, "-o", "few.png", "--resolution", "64x64", "--json=%s.json" % bool(more), *more)
+        expect(status == 0, text)
+    expect(report("False.json")["isovalue"] == report("True.json")["isovalue"], folder)
+v2("in/none.zarr", [4000] * 3, [16] * 3)
+status, text = run("in/none.zarr", "-o", "none.png", "--max-memory", "256M", limit=20)
+expect(status == 6 and "every voxel is 5" in text, status, text)
+
 # metadata of some megabytes is not parsed
 write("in/long.zarr/.zarray", b'{"zarr_format": 2, "x": [' + b"[]," * 1000000 + b"[]]}")
 refused(5, "metadata of more than 1 MB", "in/long.zarr", "--max-memory", "64M")

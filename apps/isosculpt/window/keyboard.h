@@ -10,13 +10,14 @@
     X("F, Shift+F", "the whole object in the picture; what is under the cursor in its middle")               \
     X("Shift+1, 3, 7", "look from the front, right, top (number pad: without Shift)")                        \
     X("Ctrl+1, 3, 7", "look from the back, left, bottom (number pad, too)")                                  \
-    X("1 .. 9, 0, T, L, W, J", "brushes; picking one makes a volume a field to sculpt")                      \
+    X("1 .. 9, 0, T, L, W, J, P", "brushes; picking one makes a volume a field to sculpt")                   \
     X("Shift + left drag", "smooth")                                                                         \
     X("Alt or Ctrl + left drag", "the brush, inverted")                                                      \
     X("Alt + click on the surface", "select the stroke that made it, to change it (Strokes, in the panel)")  \
     X("Delete", "delete the selected strokes")                                                               \
     X("[  ] or ,  .", "smaller, larger brush")                                                               \
     X("X, C + moving the mouse", "size, strength")                                                           \
+    X("E", "the colour under the cursor becomes the brush's")                                                \
     X("Ctrl+I, Alt+M", "invert the mask, clear it")                                                          \
     X("Escape", "take back the stroke, close a list, cancel opening or saving, select no stroke")            \
     X("Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "undo, redo")                                                        \

@@ -192,7 +192,8 @@ static iso_status keep_largest_fit(const iso_dicom_folder *f, size_t named, plan
     for (size_t i = 0; i < p->count; i++)
         if (fits_together(f, &model, &p->frames[i])) p->frames[kept++] = p->frames[i];
     if (kept < p->count)
-        iso_volume_note(info, "%zu images of another size, direction or type are left out", p->count - kept);
+        iso_volume_note(info, "%zu image%s of another size, direction or type %s left out", p->count - kept,
+                        p->count - kept == 1 ? "" : "s", p->count - kept == 1 ? "is" : "are");
     p->count = kept;
     free(representative);
     free(sizes);
@@ -408,12 +409,13 @@ static void note_choice(const iso_dicom_folder *f, const series_list *all, const
         folder_within(f->path, chosen->first->path, text);
         iso_volume_note(info, "the images are in subfolders: %s", text);
     }
+    const bool named = *chosen->first->description;
     bool most = true;
     for (size_t i = 0; i < all->count; i++) most &= all->list[i].images <= chosen->images;
     if (by_default && all->count > 1)
-        iso_volume_note(info, "several series: using %td of %zu, \"%s\", which has most images%s (--series)",
-                        chosen - all->list + 1, all->count, chosen->first->description,
-                        most ? "" : " of values");
+        iso_volume_note(info, "several series: using %td of %zu%s%s%s, which has most images%s (--series)",
+                        chosen - all->list + 1, all->count, named ? ", \"" : "", chosen->first->description,
+                        named ? "\"" : "", most ? "" : " of values");
     if (iso_dicom_folder_left_out(f, text)) iso_volume_note(info, "%s", text);
 }
 

@@ -363,6 +363,20 @@ static void interpret_element_size(const iso_hdf5_file *file, const iso_hdf5_arr
         if (isfinite(sizes[2 - i]) && sizes[2 - i] > 0) meaning->spacing[i] = sizes[2 - i] * 1e-3;
 }
 
+bool iso_hdf5_unclear_distance(const iso_hdf5_file *file, const iso_hdf5_array *array, char *text,
+                               size_t room) {
+    static const char *const names[] = {"resolution", "voxel_size", "voxelsize",  "voxelSize",
+                                        "spacing",    "pixel_size", "pixelSizes", "pixdim"};
+    double sizes[3];
+    const hid_t dataset = iso_hdf5_dataset(file->id, array->path);
+    for (size_t i = 0; dataset >= 0 && i < sizeof names / sizeof *names; i++) {
+        if (iso_hdf5_numbers(dataset, names[i], sizes, 3) != 3) continue;
+        snprintf(text, room, "its attribute %s is %g %g %g", names[i], sizes[0], sizes[1], sizes[2]);
+        return true;
+    }
+    return false;
+}
+
 /* ---- all of them ---- */
 
 iso_status iso_hdf5_default(const iso_hdf5_file *file, const iso_volume_opts *opts, hid_t *dataset,

@@ -37,6 +37,11 @@ iso_status iso_hdf5_interpret(const iso_hdf5_file *file, iso_hdf5_array *array, 
 void iso_hdf5_name_channels(const iso_hdf5_file *file, const iso_hdf5_array *array, int count,
                             iso_channels *channels);
 
+/* Writes "its attribute NAME is 40 4 4" of an attribute that is called as distances of voxels often are, but
+ * without a unit or an order that programs agree on. False: the array has none. */
+bool iso_hdf5_unclear_distance(const iso_hdf5_file *file, const iso_hdf5_array *array, char *text,
+                               size_t room);
+
 /* ---- coordinates.c ---- */
 
 /* Sets spacing and origin from arrays of coordinates: of NeXus, EMD, and dimension scales. */

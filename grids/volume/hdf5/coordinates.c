@@ -3,6 +3,7 @@
  *
  * NeXus: the manual's rules for NXdata. Dimension scales: "HDF5 Dimension Scale Specification". EMD: "EMD
  * file format", versions 0.2 and 1.0, emdatasets.com. */
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -82,11 +83,40 @@ static bool fit_line(const double *values, uint64_t count, uint64_t size, double
     return true;
 }
 
-static void place_axis(hid_t scale, const iso_hdf5_array *array, int i, iso_hdf5_meaning *meaning,
+/* The world's axis (0: x) that an array of coordinates is named after; -1: another name. EMD names it by an
+ * attribute. */
+static int named_axis(hid_t scale) {
+    char path[ISO_HDF5_PATH] = "", name[WORD];
+    if (scale < 0) return -1;
+    H5Iget_name(scale, path, sizeof path);
+    const char *last = strrchr(path, '/');
+    if (!iso_hdf5_text(scale, "name", 0, name, sizeof name))
+        snprintf(name, sizeof name, "%.100s", last ? last + 1 : path);
+    for (int axis = 0; axis < 3; axis++)
+        if (tolower((unsigned char)name[0]) == "xyz"[axis] && !name[1]) return axis;
+    return -1;
+}
+
+/* Finds the world's axes of the voxels' axes: an array may be stored in the order x, y, z, if it names all
+ * three. */
+static void find_world_axes(const hid_t scales[3], int world[3], iso_volume_info *info) {
+    unsigned seen = 0;
+    for (int i = 0; i < 3; i++) {
+        world[i] = named_axis(scales[i]);
+        if (world[i] >= 0) seen |= 1U << world[i];
+    }
+    for (int i = 0; i < 3; i++) {
+        if (seen != 7) world[i] = i;
+        for (int row = 0; row < 3; row++) info->transform.direction[3 * row + i] = row == world[i];
+    }
+}
+
+/* Places the voxels along their axis i, which is the world's axis `world`. */
+static void place_axis(hid_t scale, const iso_hdf5_array *array, int i, int world, iso_hdf5_meaning *meaning,
                        iso_volume_info *info) {
     enum { MOST = 1 << 20 };
     const uint64_t size = array->sizes[array->xyz[i]];
-    const char axis = "xyz"[i];
+    const char axis = "xyz"[world];
     char unit[WORD] = "";
     double first = 0, step = 0;
     uint64_t count = 0;
@@ -110,19 +140,23 @@ static void place_axis(hid_t scale, const iso_hdf5_array *array, int i, iso_hdf5
         iso_volume_note(info, "the coordinates along %c are not evenly spaced: drawn at their mean distance",
                         axis);
     meaning->spacing[i] = fabs(step) * mm;
-    info->transform.origin[i] = first * mm;
-    if (step < 0) info->transform.direction[3 * i + i] = -1;
+    info->transform.origin[world] = first * mm;
+    if (step < 0) info->transform.direction[3 * world + i] = -1;
 }
 
 void iso_hdf5_take_coordinates(const iso_hdf5_file *file, const iso_hdf5_array *array,
                                iso_hdf5_meaning *meaning, iso_volume_info *info) {
     const hid_t dataset = iso_hdf5_dataset(file->id, array->path), group = parent_of(file, array);
+    hid_t scales[3];
+    int world[3];
     if (dataset < 0 || group < 0) return;
     for (int i = 0; i < 3; i++) {
         const int axis = array->xyz[i];
-        hid_t scale = axis_of_nexus(group, dataset, axis);
-        if (scale < 0) scale = attached_scale(dataset, axis, array->rank);
-        if (scale < 0) scale = axis_of_emd(group, axis);
-        if (scale >= 0) place_axis(scale, array, i, meaning, info);
+        scales[i] = axis_of_nexus(group, dataset, axis);
+        if (scales[i] < 0) scales[i] = attached_scale(dataset, axis, array->rank);
+        if (scales[i] < 0) scales[i] = axis_of_emd(group, axis);
     }
+    find_world_axes(scales, world, info);
+    for (int i = 0; i < 3; i++)
+        if (scales[i] >= 0) place_axis(scales[i], array, i, world[i], meaning, info);
 }

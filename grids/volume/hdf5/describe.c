@@ -384,8 +384,10 @@ static iso_status take_component(const iso_hdf5_file *file, const iso_volume_opt
     return ISO_OK;
 }
 
-static void take_spacing(const iso_hdf5_meaning *meaning, const iso_volume_opts *opts,
+static void take_spacing(const iso_hdf5_file *file, const iso_hdf5_array *array,
+                         const iso_hdf5_meaning *meaning, const iso_volume_opts *opts,
                          iso_volume_info *info) {
+    char unclear[128];
     bool given = true;
     for (int i = 0; i < 3; i++) {
         const bool is_stated = meaning->spacing[i] > 0;
@@ -396,6 +398,11 @@ static void take_spacing(const iso_hdf5_meaning *meaning, const iso_volume_opts 
     if (!given && meaning->relative)
         iso_volume_note(info, "only the ratios of the distances of voxels are stated: 1 mm in the finest "
                               "level (--spacing)");
+    else if (!given && iso_hdf5_unclear_distance(file, array, unclear, sizeof unclear))
+        iso_volume_note(info,
+                        "the distance of voxels is stated without a known unit and order: 1 mm; %s "
+                        "(--spacing X,Y,Z)",
+                        unclear);
     else if (!given)
         iso_volume_note(info, "the distance of voxels is not stated: 1 mm (--spacing)");
 }
@@ -432,7 +439,7 @@ iso_status iso_hdf5_describe(const char *path, const char *xml, const iso_volume
     snprintf(info->file_type, sizeof info->file_type, "%s", iso_scalar_name(array->scalar));
     snprintf(info->name, sizeof info->name, "%.*s", ISO_VOLUME_TEXT - 1, array->path);
     if (iso_hdf5_is_minc(array)) ISO_TRY(iso_hdf5_minc_scales(&file, array, info, slices, error));
-    take_spacing(&meaning, opts, info);
+    take_spacing(&file, array, &meaning, opts, info);
     list_arrays(&file, array->path, info, &found);
     if (file.has_bad_heap) return iso_fail(error, ISO_ERR_IO, "%s: damaged: a heap with its texts", path);
     return ISO_OK;

@@ -237,6 +237,23 @@ static iso_status read_compressor(const metadata *m, iso_error *error) {
     return add_codec(m, json_string_value(json_object_get(compressor, "id")), compressor, codecs, error);
 }
 
+static void read_axis_names(const json_t *names, iso_zarr_array *array) {
+    for (int i = 0; i < array->axes; i++) {
+        const char *name = json_string_value(json_array_get(names, (size_t)i));
+        if (name) snprintf(array->names[i], ISO_ZARR_NAME, "%s", name);
+    }
+}
+
+/* The names of axes as xarray writes them, into the attributes. */
+static iso_status read_attributes_of_v2(const char *folder, const iso_volume_opts *opts,
+                                        iso_zarr_array *array, iso_error *error) {
+    json_t *json;
+    ISO_TRY(iso_zarr_read_json(folder, ".zattrs", opts, &json, error));
+    read_axis_names(json_object_get(json, "_ARRAY_DIMENSIONS"), array);
+    json_decref(json);
+    return ISO_OK;
+}
+
 static iso_status read_v2(const metadata *m, iso_error *error) {
     iso_zarr_array *array = m->array;
     double format;
@@ -402,14 +419,6 @@ static iso_status read_keys(const metadata *m, iso_error *error) {
     return ISO_OK;
 }
 
-static void read_axis_names(const metadata *m) {
-    const json_t *names = json_object_get(m->json, "dimension_names");
-    for (int i = 0; i < m->array->axes; i++) {
-        const char *name = json_string_value(json_array_get(names, (size_t)i));
-        if (name) snprintf(m->array->names[i], ISO_ZARR_NAME, "%s", name);
-    }
-}
-
 static iso_status read_v3(const metadata *m, iso_error *error) {
     iso_zarr_array *array = m->array;
     const json_t *grid = json_object_get(m->json, "chunk_grid");
@@ -431,7 +440,7 @@ static iso_status read_v3(const metadata *m, iso_error *error) {
     ISO_TRY(read_fill(m, error));
     ISO_TRY(read_keys(m, error));
     ISO_TRY(read_codecs(m, json_object_get(m->json, "codecs"), false, error));
-    read_axis_names(m);
+    read_axis_names(json_object_get(m->json, "dimension_names"), array);
     return ISO_OK;
 }
 
@@ -523,6 +532,7 @@ static iso_status read_file(const char *folder, const char *name, const iso_volu
         const metadata m = {path, json, array};
         iso_file_set_read(opts->files, path);
         status = is_v2 ? read_v2(&m, error) : is_n5 ? read_n5(&m, error) : read_v3(&m, error);
+        if (is_v2 && status == ISO_OK) status = read_attributes_of_v2(folder, opts, array, error);
         free(path);
     }
     json_decref(json);

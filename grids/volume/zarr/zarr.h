@@ -66,7 +66,7 @@ typedef struct iso_zarr_array {
     iso_zarr_codecs codecs, index_codecs;
     char separator;                           /* between the numbers in names of chunks */
     bool has_prefix;                          /* names begin with "c" */
-    char names[ISO_ZARR_AXES][ISO_ZARR_NAME]; /* of the axes (v3), or empty */
+    char names[ISO_ZARR_AXES][ISO_ZARR_NAME]; /* of the axes, or empty */
     bool n5;                       /* an array of N5: chunks have headers (n5.c), and are named from x on */
     double spacing[ISO_ZARR_AXES]; /* mm; 0: not stated (n5) */
 } iso_zarr_array;

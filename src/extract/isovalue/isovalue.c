@@ -43,6 +43,7 @@ typedef struct piece {
     iso_grid grid;
     const int *dims;  /* of the volume */
     const int *first; /* the piece's first voxel in it */
+    bool constant;    /* all voxels are known to be equal */
 } piece;
 
 static void visit_rgrid_slice(const piece *p, int z, run_visitor *visit, void *state) {
@@ -50,8 +51,9 @@ static void visit_rgrid_slice(const piece *p, int z, run_visitor *visit, void *s
     for (int y = 0; y < grid->dims[1]; y++) {
         const ptrdiff_t at = y * grid->stride_y + z * grid->stride_z;
         const char *data = grid->data;
-        run row = {.values = data + at * (ptrdiff_t)iso_type_size(grid->type),
+        run row = {.values = p->constant ? NULL : data + at * (ptrdiff_t)iso_type_size(grid->type),
                    .count = (size_t)grid->dims[0]};
+        if (p->constant) row.constant = *(const float *)grid->data; /* (runs are of floats) */
         mark_faces(&row, p->dims, p->first[0], p->first[1] + y, p->first[2] + z);
         visit(state, &row);
     }
@@ -117,9 +119,11 @@ static void walk_slice(void *context, size_t slice, int worker) {
                 job->states + (size_t)worker * job->state_bytes);
 }
 
-static iso_status walk_chunk(void *context, const iso_rgrid *grid, const int first[3], iso_error *error) {
+static iso_status walk_chunk(void *context, const iso_rgrid *grid, const int first[3], bool constant,
+                             iso_error *error) {
     walk *job = context;
     (void)error;
+    job->piece.constant = constant;
     job->piece.grid.rgrid = (iso_rgrid *)(uintptr_t)grid;
     job->piece.first = first;
     iso_parallel_for(job->what->pool, (size_t)grid->dims[2], walk_slice, job);
@@ -213,12 +217,18 @@ static void count_chunk_slice(void *context, size_t z, int worker) {
     iso_value_counter_add(c->counter, worker, lo, hi, 0);
 }
 
-static iso_status count_chunk(void *context, const iso_rgrid *grid, const int first[3], iso_error *error) {
+static iso_status count_chunk(void *context, const iso_rgrid *grid, const int first[3], bool constant,
+                              iso_error *error) {
     chunk_counting *c = context;
     (void)error;
     c->grid = grid;
     c->first = first;
     iso_value_counter_set_window(c->counter, grid, first);
+    if (constant) {
+        const int end[3] = {first[0] + grid->dims[0], first[1] + grid->dims[1], first[2] + grid->dims[2]};
+        iso_value_counter_add_constant(c->counter, 0, first, end);
+        return ISO_OK;
+    }
     iso_parallel_for(c->pool, (size_t)grid->dims[2], count_chunk_slice, c);
     return ISO_OK;
 }

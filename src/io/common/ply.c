@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/text.h"
 #include "grids/volume/scalar_load.h"
 
@@ -131,6 +132,17 @@ static iso_status decide_items(iso_ply *ply, iso_error *error) {
     return fseeko(ply->in.file, file_at, SEEK_SET) == 0 ? ISO_OK : iso_stream_fail(&ply->in, error);
 }
 
+/* Refuses numbers behind the last item where items follow each other in a row: some item before lacked as
+ * many, and those behind it have got its neighbours'. */
+static iso_status check_end(iso_ply *ply, iso_error *error) {
+    while (iso_stream_fill(&ply->in, 1) && is_space(ply->in.buffer[ply->in.place]))
+        iso_stream_advance(&ply->in, 1);
+    if (!iso_stream_fill(&ply->in, 1)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_FORMAT,
+                    "%s: damaged: a row has fewer numbers than its header promises, or the last one more",
+                    ply->in.path);
+}
+
 iso_status iso_ply_end_item(iso_ply *ply, iso_error *error) {
     if (ply->format != ISO_PLY_ASCII) return ISO_OK;
     ply->items_left--;
@@ -141,7 +153,7 @@ iso_status iso_ply_end_item(iso_ply *ply, iso_error *error) {
         iso_stream_advance(&ply->in, 1);
         if (byte == '\n') break;
     }
-    return ISO_OK;
+    return ply->items_left == 0 && ply->items == ISO_PLY_IN_ROW ? check_end(ply, error) : ISO_OK;
 }
 
 iso_status iso_ply_read_item(iso_ply *ply, const iso_ply_element *element, double value[ISO_PLY_PROPERTIES],
@@ -304,6 +316,8 @@ iso_status iso_ply_open(const char *path, iso_ply *ply, iso_error *error) {
     skip_mark(ply);
     if (!read_magic(ply)) {
         if (ferror(ply->in.file)) return iso_stream_fail(&ply->in, error);
+        ISO_TRY(
+            iso_file_check_text(path, ply->in.buffer + ply->in.place, ply->in.end - ply->in.place, error));
         return iso_fail(error, ISO_ERR_FORMAT, "%s: not a PLY file", path);
     }
     ISO_TRY(read_header(ply, error));

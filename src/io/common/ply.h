@@ -4,8 +4,8 @@
  * Values are read one by one, in file order, as doubles (exact for every type); items of one size can be read
  * many at a time from iso_ply.in. In ASCII an item begins in a row of its own and may take several; numbers
  * behind its last one are skipped, as VTK does. Only if the file has fewer rows than items do items follow
- * each other in a row. Before memory is allocated
- * for an element, call iso_ply_check_size, which compares the header's count with the size of the file.
+ * each other in a row; numbers behind the last of these are an error. Before memory is allocated for an
+ * element, call iso_ply_check_size, which compares the header's count with the size of the file.
  * Messages begin with the path: ISO_ERR_IO (missing, unreadable, truncated), ISO_ERR_FORMAT (not PLY). One
  * thread at a time. */
 #ifndef ISO_IO_COMMON_PLY_H

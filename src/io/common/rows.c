@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/text.h"
 
 iso_status iso_text_rows_load(iso_reading *reading, iso_text_rows *rows, iso_error *error) {
@@ -13,10 +14,7 @@ iso_status iso_text_rows_load(iso_reading *reading, iso_text_rows *rows, iso_err
     ISO_TRY(iso_reading_load(reading, &rows->text, &bytes, error));
     rows->at = rows->text.data;
     rows->end = rows->at + bytes;
-    const char *wide = iso_text_wide(rows->at, bytes);
-    if (wide)
-        return iso_fail(error, ISO_ERR_FORMAT, "%s: text in %s, which is not read; save it as UTF-8",
-                        reading->path, wide);
+    ISO_TRY(iso_file_check_text(reading->path, rows->at, bytes, error));
     rows->at += iso_text_mark(rows->at, bytes);
     return ISO_OK;
 }

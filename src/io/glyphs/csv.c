@@ -56,6 +56,14 @@ static double parse_cell(csv *c, int column) {
     return iso_row_number(&cell, "", &number) && *cell == 0 ? number : (double)NAN;
 }
 
+/* Whether a cell begins as a number and goes on as something else, as "3.1+e2". A missing number is empty or a
+ * word. */
+static bool has_rubbish(const char *cell) {
+    char *end;
+    strtod(cell, &end);
+    return end != cell && end[strspn(end, " \t")] != 0;
+}
+
 /* Finds the columns of words: in the first row of data their cell is not a number, but not empty. */
 static void find_words(csv *c) {
     for (int i = 0; i < c->columns; i++) {
@@ -70,7 +78,11 @@ static iso_status take_row(csv *c, char *row, iso_error *error) {
         return iso_text_rows_fail(&c->rows, "not as many values as there are names", error);
     if (c->data->point_count == 0) find_words(c);
     ISO_TRY(iso_polydata_reserve(c->data, c->data->point_count + 1, error));
-    for (int i = 0; i < c->columns; i++) c->numbers[i] = parse_cell(c, i);
+    for (int i = 0; i < c->columns; i++) {
+        c->numbers[i] = parse_cell(c, i);
+        if (c->slots[i].column == ISO_SLOT_POINT && has_rubbish(c->cells[i]))
+            return iso_text_rows_fail(&c->rows, "a coordinate has something behind its number", error);
+    }
     iso_polydata_add_row(c->data, c->slots, c->numbers, c->columns);
     return ISO_OK;
 }

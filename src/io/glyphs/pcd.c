@@ -9,6 +9,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/file.h"
+#include "base/text.h"
 #include "io/common/rows.h"
 #include "io/glyphs/lzf.h"
 #include "io/polydata/records.h"
@@ -53,6 +55,14 @@ static const char *path_of(const pcd *p) {
 
 static iso_status fail_header(const pcd *p, const char *word, iso_error *error) {
     return iso_fail(error, ISO_ERR_FORMAT, "%s: bad \"%.40s\" line in its PCD header", path_of(p), word);
+}
+
+static iso_status skip_mark(pcd *p, iso_error *error) {
+    if (!iso_stream_fill(&p->in, 4)) return ISO_OK;
+    const void *head = p->in.buffer + p->in.place;
+    ISO_TRY(iso_file_check_text(path_of(p), head, 4, error));
+    iso_stream_advance(&p->in, iso_text_mark(head, 4));
+    return ISO_OK;
 }
 
 /* Reads a line of the header, which is cut at LINE bytes: only comments are that long. */
@@ -377,6 +387,7 @@ static iso_status read_pcd(pcd *p, iso_error *error) {
     static iso_status (*const readers[])(pcd * p, iso_error * error) = {read_ascii, read_binary,
                                                                         read_compressed};
     ISO_TRY(iso_stream_open(path_of(p), &p->in, error));
+    ISO_TRY(skip_mark(p, error));
     ISO_TRY(read_header(p, error));
     ISO_TRY(place_fields(p, error));
     ISO_TRY(name_fields(p, error));

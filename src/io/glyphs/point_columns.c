@@ -110,6 +110,8 @@ static guess make_guess(const iso_polydata *data, int first) {
 static guess best_guess(const iso_polydata *data, bool number_first) {
     const int count = data->column_count, further = count % 3, preferred = number_first && further == 1;
     guess best = make_guess(data, preferred);
+    /* a number and colours, as the format has it, though all of these may be 0 */
+    if (preferred && count == 4 && best.clear == 0 && look_at(data, 1).in_range) return (guess){-1, 1, 1};
     for (int first = 0; first <= further; first++) {
         const guess made = make_guess(data, first);
         if (made.clear > best.clear) best = made;
@@ -124,7 +126,7 @@ static void note_columns(const iso_polydata *data) {
         const size_t length = strlen(text);
         snprintf(text + length, sizeof text - length, ", %s", iso_polydata_column(data, i)->name);
     }
-    iso_reading_note(data->reading, "its columns have no names, and are taken as %s", text);
+    iso_reading_note(data->reading, "its columns have no names, and are taken as %s (--columns)", text);
 }
 
 iso_status iso_point_columns_decide(iso_polydata *data, bool number_first, iso_error *error) {

@@ -6,6 +6,7 @@
 
 #include "base/decimal_point.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "io/common/encode.h"
 #include "io/lines/lines_format.h"
 
@@ -34,6 +35,8 @@ iso_status iso_lines_read(const char *path, const iso_read_opts *opts, iso_lines
 
 bool iso_lines_fill_vtk(const char *path) {
     char head[1024];
-    head[iso_file_head(path, head, sizeof head - 1)] = 0;
-    return strncmp(head, "# vtk DataFile", 14) == 0 && strcasestr(head, "\nDATASET POLYDATA");
+    const size_t bytes = iso_file_head(path, head, sizeof head - 1);
+    head[bytes] = 0;
+    return strncmp(head + iso_text_mark(head, bytes), "# vtk DataFile", 14) == 0 &&
+           strcasestr(head, "\nDATASET POLYDATA");
 }

@@ -43,6 +43,7 @@ static bool to_whole(double number, int64_t *whole) {
 static iso_status take_row(swc *s, char *row, iso_error *error) {
     double numbers[ROW];
     const size_t at = s->data.point_count;
+    if (iso_row_has_decimal_commas(row)) iso_row_turn_commas(row);
     for (int i = 0; i < ROW; i++)
         if (!iso_row_number(&row, ",", &numbers[i]))
             return iso_text_rows_fail(&s->rows, "not the seven numbers of a node", error);

@@ -73,15 +73,17 @@ static iso_status read_stl_text(iso_mesh_reading *r, iso_error *error) {
 
 /* Reads STL. A binary file may also begin with "solid": it is recognised by its size. */
 static iso_status read_stl(iso_mesh_reading *r, FILE *file, iso_error *error) {
-    unsigned char head[STL_HEADER] = {0};
-    const size_t got = fread(head, 1, sizeof head, file);
+    unsigned char head[STL_HEADER + 1] = {0};
+    const size_t got = fread(head, 1, STL_HEADER, file);
+    const char *text = (char *)head + iso_text_mark(head, got);
+    text += strspn(text, " \t\r\n");
     uint32_t facets = 0;
     memcpy(&facets, head + STL_HEADER - sizeof facets, sizeof facets);
     fseeko(file, 0, SEEK_END);
-    const bool whole = got == sizeof head && ftello(file) == (off_t)STL_HEADER + (off_t)facets * STL_FACET,
-               solid = strncasecmp((char *)head + iso_text_mark(head, got), "solid", 5) == 0;
+    const bool whole = got == STL_HEADER && ftello(file) == (off_t)STL_HEADER + (off_t)facets * STL_FACET,
+               solid = strncasecmp(text, "solid", 5) == 0;
     if (!whole && (solid || iso_text_wide(head, got))) return read_stl_text(r, error);
-    if (got < sizeof head) return iso_fail(error, ISO_ERR_FORMAT, "%s: not an STL file", r->path);
+    if (got < STL_HEADER) return iso_fail(error, ISO_ERR_FORMAT, "%s: not an STL file", r->path);
     fseeko(file, STL_HEADER, SEEK_SET);
     return read_stl_binary(r, file, facets, error);
 }

@@ -2,6 +2,7 @@
 #include "io/polydata/polydata.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -44,6 +45,8 @@ static const struct group {
     {"normals", ISO_ROLE_NORMAL, 3, {"nx", "ny", "nz"}},
     {"normals", ISO_ROLE_NORMAL, 3, {"normal_x", "normal_y", "normal_z"}},
     {"normals", ISO_ROLE_NORMAL, 3, {"normalx", "normaly", "normalz"}},
+    {"normals", ISO_ROLE_NORMAL, 3, {"normals:0", "normals:1", "normals:2"}}, /* ParaView's */
+    {"normals", ISO_ROLE_NORMAL, 3, {"normals_0", "normals_1", "normals_2"}},
     {"vectors", ISO_ROLE_VECTOR, 3, {"vx", "vy", "vz"}},
     {"colors", ISO_ROLE_COLOR, 3, {"red", "green", "blue"}},
     {"colors", ISO_ROLE_COLOR, 3, {"r", "g", "b"}},
@@ -55,10 +58,22 @@ static const struct group {
     {"f_dc", ISO_ROLE_NONE, 3, {"f_dc_0", "f_dc_1", "f_dc_2"}},
 };
 
-/* Returns the index of the first number with that name; -1: none has it. */
+/* Whether a name is the wanted one but for a unit in brackets behind it, as "X [m]", and the mark of a
+ * comment before it, as in "//X". */
+static bool is_decorated(const char *name, const char *wanted) {
+    name += strspn(name, "#/ ");
+    size_t length = strcspn(name, "[(");
+    while (length && name[length - 1] == ' ') length--;
+    return length == strlen(wanted) && strncasecmp(name, wanted, length) == 0;
+}
+
+/* Returns the index of the first number with that name, or else with that name and a unit; -1: none has it.
+ */
 static int find_name(const char *const *names, int count, const char *wanted) {
     for (int i = 0; i < count; i++)
         if (names[i] && strcasecmp(names[i], wanted) == 0) return i;
+    for (int i = 0; i < count; i++)
+        if (names[i] && is_decorated(names[i], wanted)) return i;
     return -1;
 }
 
@@ -74,17 +89,38 @@ static iso_status name_group(iso_polydata *data, const struct group *group, cons
     return ISO_OK;
 }
 
+/* Names of coordinates; those behind x y z are ParaView's and surveyors'. */
+static const char *const coordinates[][3] = {{"x", "y", "z"},
+                                             {"Points:0", "Points:1", "Points:2"},
+                                             {"Points_0", "Points_1", "Points_2"},
+                                             {"easting", "northing", "elevation"},
+                                             {"easting", "northing", "height"}};
+
+/* Reports which coordinate is missing, and what there is instead. */
+static iso_status fail_names(const iso_polydata *data, const char *const *names, int count,
+                             iso_error *error) {
+    char list[200] = "";
+    int axis = 0;
+    while (axis < 2 && find_name(names, count, coordinates[0][axis]) >= 0) axis++;
+    for (int i = 0; i < count && i < 8; i++) {
+        const size_t length = strlen(list);
+        snprintf(list + length, sizeof list - length, "%s'%.20s'", i ? ", " : "", names[i] ? names[i] : "-");
+    }
+    return iso_fail(error, ISO_ERR_FORMAT,
+                    "%s: its points have no %s: their columns are %s%s (--columns names those of a table)",
+                    data->reading->path, coordinates[0][axis], list, count > 8 ? " .." : "");
+}
+
 static iso_status name_point(const iso_polydata *data, const char *const *names, int count, iso_slot *slots,
                              iso_error *error) {
-    static const char *const axes[3] = {"x", "y", "z"};
-    for (int axis = 0; axis < 3; axis++) {
-        const int found = find_name(names, count, axes[axis]);
-        if (found < 0)
-            return iso_fail(error, ISO_ERR_FORMAT, "%s: its points have no %s", data->reading->path,
-                            axes[axis]);
-        slots[found] = (iso_slot){ISO_SLOT_POINT, axis};
+    int found[3];
+    for (size_t set = 0; set < sizeof coordinates / sizeof *coordinates; set++) {
+        for (int axis = 0; axis < 3; axis++) found[axis] = find_name(names, count, coordinates[set][axis]);
+        if (found[0] < 0 || found[1] < 0 || found[2] < 0) continue;
+        for (int axis = 0; axis < 3; axis++) slots[found[axis]] = (iso_slot){ISO_SLOT_POINT, axis};
+        return ISO_OK;
     }
-    return ISO_OK;
+    return fail_names(data, names, count, error);
 }
 
 iso_status iso_polydata_name_columns(iso_polydata *data, const char *const *names, int count, iso_slot *slots,

@@ -46,10 +46,11 @@ typedef struct iso_slot {
 enum { ISO_SLOT_POINT = -1, ISO_SLOT_SKIP = -2 };
 
 /* Adds columns for the numbers with these names, in the order of a row, and finds the slot of each number. x
- * y z are the point. nx ny nz (normal_x .., NormalX ..), vx vy vz, red green blue (r g b, diffuse_red .., rf
- * gf bf), scale_0 .. 2 (or only 0 and 1), rot_0 .. 3 and f_dc_0 .. 2 form one column each if all their names
- * are present. Every other name becomes a column of its own; NULL is skipped. Case is ignored.
- * ISO_ERR_FORMAT: a coordinate is missing. */
+ * y z (or Points:0 .., Points_0 .. of ParaView, easting northing elevation or height) are the point. nx ny nz
+ * (normal_x .., NormalX .., Normals:0 ..), vx vy vz, red green blue (r g b, diffuse_red .., rf gf bf),
+ * scale_0 .. 2 (or only 0 and 1), rot_0 .. 3 and f_dc_0 .. 2 form one column each if all their names are
+ * present. Every other name becomes a column of its own; NULL is skipped. Case is ignored, and so are a unit
+ * in brackets behind a name and the mark of a comment before it. ISO_ERR_FORMAT: a coordinate is missing. */
 iso_status iso_polydata_name_columns(iso_polydata *data, const char *const *names, int count, iso_slot *slots,
                                      iso_error *error);
 

@@ -138,6 +138,17 @@ static void test_decisions(void **state) {
     }
 }
 
+/* The colours behind the intensity of .pts files are colours when all of them are 0, too: not used then. */
+static void test_zero_colors(void **state) {
+    (void)state;
+    iso_glyphs glyphs = read_text(FILE_PTS, "1 2 3 50 0 0 0\n1 2 3 60 0 0 0\n");
+    assert_int_equal(report.note_count, 2);
+    assert_non_null(strstr(report.notes[0], "x y z, intensity, colors"));
+    assert_non_null(strstr(report.notes[1], "0 throughout"));
+    assert_null(glyphs.colors);
+    iso_glyphs_free(&glyphs);
+}
+
 static void test_counted(void **state) {
     (void)state;
     iso_glyphs glyphs = read_text(FILE_PTS, "2\n1 2 3\n4 5 6\n");
@@ -179,8 +190,9 @@ static void test_pwn(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rows),      cmocka_unit_test(test_names),   cmocka_unit_test(test_given),
-        cmocka_unit_test(test_decisions), cmocka_unit_test(test_counted), cmocka_unit_test(test_pwn),
+        cmocka_unit_test(test_rows),      cmocka_unit_test(test_names),       cmocka_unit_test(test_given),
+        cmocka_unit_test(test_decisions), cmocka_unit_test(test_zero_colors), cmocka_unit_test(test_counted),
+        cmocka_unit_test(test_pwn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -298,7 +298,7 @@ static void scout_in_the_series(void **state) {
     write_slice(&scout, "A", (slice_place){0, 0, 50, 1});
     iso_volume volume = read_ok(FOLDER, NULL);
     check_values(volume.grid.rgrid, SLICES);
-    assert_true(test_has_note(&volume.info, "1 images of another"));
+    assert_true(test_has_note(&volume.info, "1 image of another"));
     iso_volume_free(&volume);
 }
 

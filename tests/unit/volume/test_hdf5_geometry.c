@@ -260,6 +260,50 @@ static void test_scales(void **state) {
     iso_volume_free(&volume);
 }
 
+/* Arrays whose axes are x, y and z in this order, by the names of dimensions or of EMD's. */
+static void test_named_axes(void **state) {
+    const hdf5_storage s = hdf5_plain();
+    (void)state;
+    hid_t file = hdf5_begin("named.h5", true);
+    const hid_t array = hdf5_write_array(file, "density", &s);
+    write_link(array, (const hid_t[]){hdf5_write_axis(file, "x", HDF5_DEPTH, 100, 10, "mm"),
+                                      hdf5_write_axis(file, "y", HDF5_HEIGHT, 1, 3, "mm"),
+                                      hdf5_write_axis(file, "z", HDF5_WIDTH, 7, -2, "mm")});
+    H5Fclose(file);
+    iso_volume volume = read_file("named.h5");
+    check_transform(&volume.info.transform, (const double[]){2, 3, 10}, (const double[]){100, 1, 7},
+                    (const double[]){0, 0, 1, 0, 1, 0, -1, 0, 0});
+    iso_volume_free(&volume);
+
+    file = hdf5_begin("named.emd", false);
+    const double group_type = 1;
+    const hid_t group = hdf5_make_group(file, "data/tomogram");
+    hdf5_write_numbers(group, "emd_group_type", &group_type, 1);
+    hdf5_write_array(group, "data", &s);
+    for (int i = 0; i < 3; i++)
+        hdf5_write_text(
+            hdf5_write_axis(group, (const char *[]){"dim1", "dim2", "dim3"}[i], 2, 0, i + 1, "mm"), "name",
+            (const char *[]){"y", "X", "z"}[i]);
+    H5Fclose(file);
+    volume = read_file("named.emd");
+    check_transform(&volume.info.transform, (const double[]){3, 2, 1}, none,
+                    (const double[]){0, 1, 0, 0, 0, 1, 1, 0, 0});
+    iso_volume_free(&volume);
+}
+
+/* An attribute with distances in no known unit is named. */
+static void test_unclear_distance(void **state) {
+    const hdf5_storage s = hdf5_plain();
+    const double resolution[3] = {40, 4, 4.5};
+    (void)state;
+    const hid_t file = hdf5_begin("unclear.h5", true);
+    hdf5_write_numbers(hdf5_write_array(file, "raw", &s), "resolution", resolution, 3);
+    H5Fclose(file);
+    iso_volume volume = read_file("unclear.h5");
+    assert_true(test_has_note(&volume.info, "its attribute resolution is 40 4 4.5 (--spacing X,Y,Z)"));
+    iso_volume_free(&volume);
+}
+
 static void test_itk(void **state) {
     const hdf5_storage s = hdf5_plain();
     const double directions[9] = {0, 1, 0, -1, 0, 0, 0, 0, 1}, spacing[3] = {2, 3, 4}, origin[3] = {5, 6, 7};
@@ -321,8 +365,10 @@ static void test_mostly_absent(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_bigdataviewer), cmocka_unit_test(test_minc),
-                                       cmocka_unit_test(test_scales), cmocka_unit_test(test_itk),
-                                       cmocka_unit_test(test_mostly_absent)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bigdataviewer), cmocka_unit_test(test_minc),
+        cmocka_unit_test(test_scales),        cmocka_unit_test(test_itk),
+        cmocka_unit_test(test_named_axes),    cmocka_unit_test(test_unclear_distance),
+        cmocka_unit_test(test_mostly_absent)};
     return cmocka_run_group_tests(tests, hdf5_make_folder, NULL);
 }

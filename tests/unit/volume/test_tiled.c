@@ -216,8 +216,10 @@ typedef struct chunk_check {
     size_t voxels;
 } chunk_check;
 
-static iso_status check_chunk(void *context, const iso_rgrid *grid, const int first[3], iso_error *error) {
+static iso_status check_chunk(void *context, const iso_rgrid *grid, const int first[3], bool constant,
+                              iso_error *error) {
     chunk_check *check = context;
+    (void)constant;
     int from[3], end[3];
     (void)error;
     for (int i = 0; i < 3; i++) {
