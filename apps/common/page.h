@@ -1,6 +1,6 @@
-/* page: a picture of isosurfaces and labels as one HTML file that anyone can open, without a network or a
- * server, and in which these can be turned and isovalues moved. It holds the voxels that this needs, and the
- * engine that draws them (apps/page): the library itself, compiled to WebAssembly. docs/page.md. */
+/* page: a picture of isosurfaces, labels and lines as one HTML file that anyone can open, without a network
+ * or a server, and in which these can be turned and isovalues moved. It holds the voxels that this needs, and
+ * the engine that draws them (apps/page): the library itself, compiled to WebAssembly. docs/page.md. */
 #ifndef ISO_APPS_COMMON_PAGE_H
 #define ISO_APPS_COMMON_PAGE_H
 
@@ -10,6 +10,7 @@
 
 #include "isopoint.h"
 #include "scene/layered_picture.h"
+#include "scene/object.h"
 
 enum { ISO_PAGE_SURFACES = 16 };
 /* The largest page when nobody says it: of a range that is chosen, and of one that is given. */
@@ -49,14 +50,25 @@ typedef struct iso_page_labels {
     int shared; /* the group whose surface has the colours of its labels; 0: none */
 } iso_page_labels;
 
+/* Lines, as they are drawn. */
+typedef struct iso_page_lines {
+    iso_lines lines; /* whose arrays are borrowed */
+    iso_shapes_opts opts;
+    iso_rgb color;
+    iso_translucency translucency;
+} iso_page_lines;
+
 /* What is written; all borrowed. */
 typedef struct iso_page {
-    const char *name; /* of the input, as the page's title and command have it */
-    bool only_labels; /* this input is that of --labels, and there is no other */
-    iso_rgrid *grid;  /* NULL: there are labels only */
+    const char *name;   /* of the input, as the page's title and command have it */
+    bool without_input; /* the name is that of labels or lines: the command has no input */
+    iso_rgrid *grid;    /* NULL: there are no isosurfaces */
     const iso_page_surface *surfaces;
     int count;                     /* ISO_PAGE_SURFACES at most */
     const iso_page_labels *labels; /* NULL: none */
+    const iso_page_lines *lines;
+    int lines_count; /* of files */
+    iso_box bounds;  /* of everything; used without volume and labels */
     iso_page_clip clip;
     const iso_camera *camera;
     const iso_image *image; /* the first picture */
@@ -73,8 +85,8 @@ typedef struct iso_page {
 /* What has been written. */
 typedef struct iso_page_written {
     double range[2];
-    uint64_t bytes, engine_bytes, voxel_bytes, label_bytes; /* of the file, and of parts of it */
-    double kept;                                            /* share of the voxels that are kept */
+    uint64_t bytes, engine_bytes, voxel_bytes, label_bytes, line_bytes; /* of the file, and of parts of it */
+    double kept; /* share of the voxels that are kept */
 } iso_page_written;
 
 /* Whether a file of this name is a page. */

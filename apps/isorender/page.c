@@ -25,9 +25,12 @@ static const char changed[] =
     "camera-focal-point camera-view-up same-view method backend max-memory dpi legend";
 static const char kept[] =
     "raw spacing grid series component level crop crop-mm channel cap opacity opacity-mode "
-    "absorption layers labels label label-table smooth";
-/* Those that name files, which the command names without folders. */
-static const char files[] = "labels label-table";
+    "absorption layers labels label label-table smooth lines tube-radius line-color line-opacity line-style "
+    "caps "
+    "line-min-pixels streamlines streamline-length streamline-seed axial vectors least tensor-order color-by "
+    "range colormap space every";
+/* Those that can name files, which the command names without folders. */
+static const char files[] = "labels label-table lines colormap";
 
 static bool is_in(const char *names, const char *name) {
     return iso_text_has_word(names, name, strlen(name));
@@ -62,15 +65,18 @@ static iso_status check_clip(const isorender_settings *settings, iso_error *erro
 
 static iso_status check_page(const isorender_settings *settings, iso_error *error) {
     const char *page = settings->output;
-    if ((settings->no_input && !has_labels(settings)) || settings->object_options.has_cloud)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a page shows isosurfaces of a volume, and labels", page);
+    if ((settings->no_input && !has_labels(settings) && !settings->object_options.count) ||
+        settings->object_options.has_cloud)
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a page shows isosurfaces of a volume, labels and lines",
+                        page);
     for (int i = 0; i < settings->noted_count && i < ISORENDER_NOTED; i++) {
         const char *name = settings->noted[i].option->name;
         if (!is_in(changed, name) && !is_in(kept, name))
-            return iso_fail(error, ISO_ERR_USAGE,
-                            "%s: a page has no --%s: it shows isosurfaces of one volume and labels, drawn by "
-                            "--method exact (a .png can have it)",
-                            page, name);
+            return iso_fail(
+                error, ISO_ERR_USAGE,
+                "%s: a page has no --%s: it shows isosurfaces of one volume, labels and lines, drawn "
+                "by --method exact (a .png can have it)",
+                page, name);
     }
     if (settings->volume_count || settings->channel_count > 1)
         return iso_fail(error, ISO_ERR_USAGE, "%s: a page shows one volume, or one channel of it", page);
@@ -92,7 +98,8 @@ iso_status isorender_page_check(const isorender_settings *settings, iso_error *e
             return iso_fail(error, ISO_ERR_USAGE,
                             "--isovalue-range: the second number must not be below the first");
         if (ranged && settings->no_input)
-            return iso_fail(error, ISO_ERR_USAGE, "--isovalue-range: a page of labels has no isovalues");
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "--isovalue-range: a page without a volume has no isovalues");
         return ISO_OK;
     }
     if (ranged || settings->page_size)
@@ -154,18 +161,23 @@ static iso_status check_grid(const isorender_job *job, const char *path, iso_err
 
 static void log_page(const isorender_job *job, const iso_page_written *written) {
     const double megabytes = (double)written->bytes / 1e6;
+    const char *others = job->segmentation && job->object_count ? "the labels of all voxels, and all lines"
+                         : job->segmentation                    ? "the labels of all voxels"
+                         : job->object_count                    ? "all lines"
+                                                                : "";
     if (job->input_surface_count)
-        isorender_log(job,
-                      "the page holds the isovalues from %.6g to %.6g, and %.3g %% of the volume's voxels%s: "
-                      "who has the page has these (%.2f MB)",
-                      written->range[0], written->range[1], 100 * written->kept,
-                      job->segmentation ? ", and the labels of all voxels" : "", megabytes);
+        isorender_log(
+            job,
+            "the page holds the isovalues from %.6g to %.6g, and %.3g %% of the volume's voxels%s%s: "
+            "who has the page has these (%.2f MB)",
+            written->range[0], written->range[1], 100 * written->kept, *others ? ", " : "", others,
+            megabytes);
     else
-        isorender_log(job, "the page holds the labels of all voxels: who has the page has these (%.2f MB)",
-                      megabytes);
-    isorender_log_verbose(job, "of the page %.2f MB are the engine, %.2f MB the voxels, %.2f MB the labels",
-                          (double)written->engine_bytes / 1e6, (double)written->voxel_bytes / 1e6,
-                          (double)written->label_bytes / 1e6);
+        isorender_log(job, "the page holds %s: who has the page has these (%.2f MB)", others, megabytes);
+    isorender_log_verbose(
+        job, "of the page %.2f MB are the engine, %.2f MB the voxels, %.2f MB the labels, %.2f MB the lines",
+        (double)written->engine_bytes / 1e6, (double)written->voxel_bytes / 1e6,
+        (double)written->label_bytes / 1e6, (double)written->line_bytes / 1e6);
 }
 
 /* The labels of the page; items: of all, to be filled. */
@@ -184,6 +196,32 @@ static iso_page_labels labels_of(const isorender_job *job, const iso_page_surfac
     for (int i = job->input_surface_count; i < job->surface_count; i++)
         if (job->surfaces[i].scene.labels) made.shared = job->surfaces[i].label_group;
     return made;
+}
+
+/* The lines of the page. ISO_ERR_UNSUPPORTED: some of a mesh in --lines are triangles. */
+static iso_status list_lines(const isorender_job *job, const char *path, iso_page_lines *lines,
+                             iso_error *error) {
+    const isorender_line_pixels pixels = {job->settings->line_min_pixels, job->settings->line_drop_pixels};
+    for (int i = 0; i < job->object_count; i++) {
+        const isorender_object *object = &job->objects[i];
+        if (object->settings->kind != ISORENDER_LINES)
+            return iso_fail(
+                error, ISO_ERR_UNSUPPORTED,
+                "%s: a page has lines, but no triangles: not all of the mesh in --lines has become lines",
+                path);
+        lines[i].lines = isorender_object_lines(object, &pixels, &lines[i].opts);
+        lines[i].color = object->scene.color;
+        lines[i].translucency = object->scene.translucency;
+    }
+    return ISO_OK;
+}
+
+/* What the page is called by: the volume, or else labels, or else lines. */
+static const char *page_input(const isorender_job *job) {
+    const char *labels = isorender_labels_path(job);
+    return job->input_surface_count ? isorender_input_name(job)
+           : labels                 ? labels
+                                    : job->objects[0].settings->path;
 }
 
 iso_status isorender_page_write(isorender_job *job, const iso_image *image, const char *path,
@@ -205,15 +243,20 @@ iso_status isorender_page_write(isorender_job *job, const iso_image *image, cons
         surfaces[i] = (iso_page_surface){surface->scene.isovalue, surface->color, surface->translucency};
     }
     const iso_camera camera = isorender_camera_of_frame(job, 0);
-    char *name = name_alone(isosurfaces ? isorender_input_name(job) : isorender_labels_path(job));
+    iso_page_lines lines[ISORENDER_OBJECTS];
+    char *name = name_alone(page_input(job));
     iso_status status = name ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    if (status == ISO_OK) status = list_lines(job, path, lines, error);
     if (status == ISO_OK) status = list_options(settings, options, &count, error);
     const iso_page page = {.name = name,
-                           .only_labels = !isosurfaces && !settings->smooth,
+                           .without_input = !isosurfaces && !settings->smooth,
                            .grid = grid,
                            .surfaces = surfaces,
                            .count = isosurfaces,
                            .labels = s ? &labels : NULL,
+                           .lines = lines,
+                           .lines_count = job->object_count,
+                           .bounds = job->bounds_world,
                            .clip = clip_of(job),
                            .camera = &camera,
                            .image = image,

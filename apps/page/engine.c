@@ -161,6 +161,11 @@ uint8_t *page_draw(int width, int height, int first, int rows, int samples, int 
             (iso_capped){&part->grid, part->isovalue, (uint8_t)i, page.colors[i], part->clip, labels != NULL};
         if (update(part) != ISO_OK) return NULL;
     }
+    for (int i = 0; i < page.object_count; i++) {
+        translucent |= !iso_scene_object_is_opaque(page.objects[i]);
+        page.objects[i]->clip = page.clip.count ? &page.clip : NULL;
+        page.colors[page.count + i] = page.objects[i]->color;
+    }
     const iso_cut_caps caps = {
         .solids = solids, .count = page.count, .caps = true, .factor = iso_picture_factor(samples)};
     const iso_view whole = iso_view_make(&page.camera, width, height),
@@ -168,13 +173,16 @@ uint8_t *page_draw(int width, int height, int first, int rows, int samples, int 
     iso_scene scene = {.renderer = &renderer,
                        .surfaces = surfaces,
                        .count = page.count,
+                       .objects = page.objects,
+                       .object_count = page.object_count,
                        .translucent = translucent,
                        .caps = page.caps ? &caps : NULL};
-    iso_picture_opts opts = {.view = &band,
-                             .width = width,
-                             .height = rows,
-                             .samples = samples,
-                             .shading = {page.colors, page.count, page.background, 0, {0, 0, 0}}};
+    iso_picture_opts opts = {
+        .view = &band,
+        .width = width,
+        .height = rows,
+        .samples = samples,
+        .shading = {page.colors, page.count + page.object_count, page.background, 0, {0, 0, 0}}};
     iso_image image = {.width = width, .height = rows, .rgba = page.pixels.data};
     return iso_scene_render(&scene, &opts, &image, NULL, &page.error) == ISO_OK ? image.rgba : NULL;
 }

@@ -1,5 +1,5 @@
-/* engine: what the parts of a page's engine share: the page that is shown. engine.c draws it, labels.c adds
- * labels to it. */
+/* engine: what the parts of a page's engine share: the page that is shown. engine.c draws it, labels.c and
+ * lines.c add labels and lines to it. */
 #ifndef ISO_APPS_PAGE_ENGINE_H
 #define ISO_APPS_PAGE_ENGINE_H
 
@@ -9,7 +9,7 @@
 
 #define EXPORT(name) __attribute__((export_name(#name)))
 
-enum { SURFACES = 64 };
+enum { SURFACES = 64, OBJECTS = 32 };
 
 /* The volume, and the same with every second voxel on each axis, for moving pictures of fine surfaces. */
 typedef struct level {
@@ -28,7 +28,9 @@ extern struct page {
     iso_layered_surface surfaces[SURFACES]; /* without their parts */
     int groups[SURFACES];                   /* whose surfaces they are; 0: of the volume */
     group labels[ISO_LABEL_GROUPS + 1];
-    iso_rgb colors[SURFACES];
+    iso_scene_object *objects[OBJECTS]; /* lines */
+    int object_count;
+    iso_rgb colors[SURFACES + OBJECTS];
     int count;
     iso_rgb background;
     iso_clip clip;

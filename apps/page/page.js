@@ -36,7 +36,7 @@ const hex = color => color.toString(16).padStart(6, '0');
 state.command = () => {
   const d = state.drawn, c = d.camera, list = (a, b) => c.slice(a, b).join(',');
   const name = facts.name[0] === '-' ? './' + facts.name : facts.name, png = facts.name.replace(/(\.\w+)?\.\w+$/, '') || 'picture';
-  const words = ['isorender', ...facts.onlyLabels ? [] : [quote(name)], quote((png[0] === '-' ? './' : '') + png + '.png'),
+  const words = ['isorender', ...facts.withoutInput ? [] : [quote(name)], quote((png[0] === '-' ? './' : '') + png + '.png'),
     ...facts.options.map(o => o.replace(/^(--[\w-]+=?)(.*)$/s, (_, option, value) => option + (value && quote(value)))),
     ...volume ? [`--isovalue=${d.isovalues.join(',')}`, `--color=${facts.surfaces.map(s => hex(s.color)).join(',')}`] : [],
     `--background=${hex(facts.background)}`, `--camera-position=${list(0, 3)}`, `--camera-focal-point=${list(3, 6)}`,
@@ -204,7 +204,8 @@ function showIsovalue(i) {
   describe();
 }
 function describe() {
-  const what = [volume && `Surface of ${facts.name} at isovalue ${view.isovalues.join(', ')}`, labels && `Labels: ${drawnLabels().map(l => l.name).join(', ')}`];
+  const what = [volume && `Surface of ${facts.name} at isovalue ${view.isovalues.join(', ')}`, labels && `Labels: ${drawnLabels().map(l => l.name).join(', ')}`,
+    facts.lines.length && `${facts.lines.reduce((sum, l) => sum + l.lines, 0)} lines`];
   canvas.setAttribute('aria-label', what.filter(text => text).join('. ') + '. Arrow keys turn it, with Shift they move it; plus and minus zoom; ' +
     (volume ? 'brackets change the isovalue; ' : '') + 'Home resets; S saves a PNG; C copies the command.');
 }
@@ -225,7 +226,6 @@ function makeLegend() {
     $('legend').append(item);
   });
   $('legend').hidden = false;
-  describe();
 }
 function makeRow(i) {
   const row = element('div', { className: 'row' }), label = element('label', { textContent: 'Isovalue', htmlFor: 'slider' + i });
@@ -243,7 +243,7 @@ function makeRow(i) {
 }
 // Where the plane of the cut is: between the ends of the volume along its normal.
 function makeCut() {
-  const [x, y, z, offset] = facts.plane, { dims, transform: t } = volume || labels;
+  const [x, y, z, offset] = facts.plane, { dims, transform: t } = volume || labels || facts.box;
   if (!(x || y || z)) return;
   const ends = [0, 1, 2, 3, 4, 5, 6, 7].map(corner => {
     const index = [0, 1, 2].map(a => (corner >> a & 1) * (dims[a] - 1) * t[3 + a]);
@@ -323,13 +323,15 @@ async function begin() {
   document.body.style.setProperty('--paper', '#' + hex(facts.background));
   document.body.style.setProperty('--ink', dark ? '#eee' : '#222');
   const none = new ArrayBuffer(0);
-  const [engine, voxels, numbers] = await Promise.all([unpack('engine'), volume ? unpack('voxels') : none, labels ? unpack('labels') : none]);
+  const [engine, voxels, numbers, lines] = await Promise.all([unpack('engine'), volume ? unpack('voxels') : none, labels ? unpack('labels') : none,
+    facts.lines.length ? unpack('lines') : none]);
   const module = await WebAssembly.compile(engine), url = URL.createObjectURL(new Blob([$('worker').textContent], { type: 'text/javascript' }));
-  // Each worker has the voxels, and cells of about as many bytes; labels take more: their numbers and level sets.
-  const room = Math.floor(1e9 / (2 * voxels.byteLength + 6 * numbers.byteLength + 2e7)), count = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 1, room));
-  await Promise.all(Array.from({ length: count }, () => startWorker(url, { module, voxels, labels: numbers, facts })));
+  // Each worker has the voxels, and cells of about as many bytes; labels take more: their numbers and level sets; of lines there is a copy.
+  const room = Math.floor(1e9 / (2 * voxels.byteLength + 6 * numbers.byteLength + 2 * lines.byteLength + 2e7)), count = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 1, room));
+  await Promise.all(Array.from({ length: count }, () => startWorker(url, { module, voxels, labels: numbers, lines, facts })));
   facts.surfaces.forEach((_, i) => makeRow(i));
   if (labels) makeLegend();
+  describe();
   makeCut();
   ['reset', 'save', ...facts.options ? ['copy'] : []].forEach(id => { $(id).hidden = false; });
   $('reset').onclick = reset;

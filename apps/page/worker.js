@@ -35,6 +35,11 @@ async function start(m) {
     labels.items.forEach((label, i) => engine.label(i + 1, label.group, label.color));
     check(engine.groups(labels.groups.length, labels.shared, facts.cap));
   }
+  let at = 0;
+  for (const l of facts.lines) {
+    const origin = keep(Float64Array.from(l.origin).buffer);
+    check(engine.lines(l.vertices, l.lines, keep(m.lines.slice(at, at += l.bytes)), l.has, origin, l.radius ?? NaN, l.minPixels, l.style, l.caps, l.color, l.opacity, l.constant, l.absorption, l.layers));
+  }
   engine.background(facts.background);
   postMessage({ ready: true });
 }

@@ -154,8 +154,8 @@ void iso_free(void *block) {
     free(block);
 }
 
-/* Copies the beginning of a block that is then freed, and gives back its pages as they are copied: both blocks
- * together take little more memory than the new one. */
+/* Copies the beginning of a block that is then freed, and gives back its pages as they are copied: both
+ * blocks together take little more memory than the new one. */
 static void move_block(void *to, void *from, size_t bytes) {
     const size_t step = HUGE_PAGE, page = (size_t)sysconf(_SC_PAGESIZE);
     for (size_t at = 0; at < bytes; at += step) {

@@ -283,8 +283,8 @@ static iso_status find_occlusion(const iso_scene *scene, iso_picture_opts *opts,
 }
 
 /* Makes the strips of exact surfaces small: the gbuffer takes little memory then, and as many strips take no
- * longer, because only cells at their borders are drawn twice. (Of points and triangles, all are looked at for
- * each strip, and outlines and occlusion read the rows around it.) */
+ * longer, because only cells at their borders are drawn twice. (Of points and triangles, all are looked at
+ * for each strip, and outlines and occlusion read the rows around it.) */
 static void keep_strips_small(const iso_scene *scene, iso_picture_opts *opts) {
     enum { ROWS = 128 }; /* of pixels, at least */
     const size_t samples = (size_t)opts->width * (size_t)(opts->samples > 1 ? opts->samples : 1),

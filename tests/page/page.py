@@ -4,6 +4,7 @@
 usage: page.py FOLDER-OF-PROGRAMS ROOT [CASE ...]     exit status 77: skipped
 """
 import base64
+import math
 import os
 import shlex
 import shutil
@@ -73,6 +74,21 @@ def segmentation(path):
     nrrd(path, "ushort", n, ["space: left-posterior-superior", "space directions: (.9,.2,.1) (-.3,1.1,.25) (.05,-.4,1.7)",
                              "space origin: (12.5,-30.25,101)"], struct.pack("<%dH" % len(values), *values))
     path.with_suffix(".ctbl").write_text("7 the <b>ball</b> 220 40 40 255\n12 block 40 90 220 255\n300 sheet 40 200 90 255\n40 secret 1 2 3 255\n")
+
+
+def spirals(path, radius=14, turns=3):
+    """Lines as a VTK file, with a column of numbers."""
+    points, lines, numbers = [], [], []
+    for k in range(5):
+        lines.append(range(len(points), len(points) + 60))
+        for i in range(60):
+            t, r = i / 59, radius * (.4 + .12 * k)
+            points.append((12 + r * math.cos(6.28 * turns * t + k), -30 + r * math.sin(6.28 * turns * t + k), 85 + 32 * t))
+            numbers.append(i + 10 * k)
+    path.write_text("# vtk DataFile Version 3.0\nspirals\nASCII\nDATASET POLYDATA\nPOINTS %d float\n%s\nLINES %d %d\n%s\nPOINT_DATA %d\n"
+                    "SCALARS heat float 1\nLOOKUP_TABLE default\n%s\n" % (
+                        len(points), "\n".join("%.5f %.5f %.5f" % p for p in points), len(lines), sum(len(l) + 1 for l in lines),
+                        "\n".join("%d %s" % (len(l), " ".join(map(str, l))) for l in lines), len(points), "\n".join(map(str, numbers))))
 
 
 def rest(browser, what):
@@ -281,6 +297,21 @@ def cases(work):
         case(work, "labels_beside", work / "oblique.nrrd", "--isovalue=300", "--opacity=.3", "--labels=seg.nrrd", "--label=7,300", "--clip=14,-25,120:1,2,-.3",
              "--cap=surface", cut=.56)
     yield "labels_beside", labels_beside
+
+    def lines():
+        spirals(work / "tracts.vtk")
+        case(work, "lines", None, "--lines=tracts.vtk", "--tube-radius=1.5", "--color-by=heat", "--clip=14,-25,105:1,2,-.3", cut=.4)
+    yield "lines", lines
+
+    def lines_beside():
+        oblique(work / "oblique.nrrd")
+        segmentation(work / "seg.nrrd")
+        spirals(work / "tracts.vtk")
+        spirals(work / "ribbons.vtk", 20, 1)
+        case(work, "lines_beside", work / "oblique.nrrd", "--isovalue=300", "--opacity=.3", "--labels=seg.nrrd", "--label=7,300", "--lines=tracts.vtk",
+             "--lines=ribbons.vtk", "--line-style=line", "--line-style=ribbon", "--tube-radius=2", "--line-color=red", "--line-color=teal", "--line-min-pixels=2.5")
+        case(work, "lines_translucent", work / "oblique.nrrd", "--isovalue=900", "--lines=tracts.vtk", "--line-opacity=.4", "--tube-radius=1", "--caps=flat")
+    yield "lines_beside", lines_beside
 
     def cut():
         oblique(work / "cut.nrrd")
