@@ -293,7 +293,8 @@ static void keep_strips_small(const iso_scene *scene, iso_picture_opts *opts) {
     if (scene->renderer->method != ISO_METHOD_EXACT || scene->engine || scene->object_count ||
         opts->occlusion || opts->outline > 0 || opts->lighting != ISO_LIGHTING_PHONG)
         return;
-    if (!opts->strip_bytes || opts->strip_bytes > small) opts->strip_bytes = small;
+    const size_t most = opts->strip_bytes ? opts->strip_bytes : ISO_PICTURE_STRIP_BYTES;
+    opts->strip_bytes = most < small ? most : small;
 }
 
 static iso_status render(iso_scene *scene, iso_picture_opts *opts, iso_image *image, size_t *covered,
