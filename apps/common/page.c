@@ -526,10 +526,10 @@ static const iso_page_file *choose_engine(const iso_page *page) {
                                        : "opaque.wasm.gz");
 }
 
-/* How many packed bytes of voxels and labels there can be: what the other parts leave. */
+/* How many packed bytes of voxels, labels and lines there can be: what the other parts leave. */
 static iso_status find_room(const iso_page *page, const char *path, const parts *made, size_t *room,
                             iso_error *error) {
-    const bool given = !isnan(page->range[0]) || !page->grid;
+    const bool given = !isnan(page->range[0]);
     const uint64_t most = page->most ? page->most
                           : given    ? ISO_PAGE_BYTES_GIVEN
                                      : ISO_PAGE_BYTES,
