@@ -42,6 +42,10 @@ static uint64_t base64_length(uint64_t bytes) {
 
 /* ---- voxels */
 
+static size_t voxel_count(const int dims[3]) {
+    return (size_t)dims[0] * (size_t)dims[1] * (size_t)dims[2];
+}
+
 typedef struct packed {
     unsigned char *bytes;
     size_t size;
@@ -199,6 +203,84 @@ static iso_status pack_voxels(packer *p, const char *path, iso_error *error) {
                                     : "--isovalue-range may be narrower, or --page-size allow more");
 }
 
+/* ---- labels */
+
+static size_t label_bytes(const iso_page_labels *labels) {
+    return labels->count <= 256 ? 1 : 2;
+}
+
+/* Packs the labels: as bytes if there are few. Sets p->bytes, to be freed. */
+static iso_status pack_labels(const iso_page_labels *labels, size_t most, packed *p, iso_error *error) {
+    const size_t count = voxel_count(labels->dims);
+    const bool narrow = label_bytes(labels) == 1;
+    uint8_t *bytes = narrow ? iso_alloc(count) : NULL;
+    p->bytes = iso_alloc(most);
+    iso_status status = ISO_OK;
+    if (!p->bytes || (narrow && !bytes))
+        status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for the labels of a page");
+    for (size_t i = 0; bytes && i < count; i++) bytes[i] = (uint8_t)labels->number[i];
+    if (status == ISO_OK)
+        status = narrow ? pack(bytes, count, most, Z_BEST_COMPRESSION, p, error)
+                        : pack(labels->number, 2 * count, most, Z_BEST_COMPRESSION, p, error);
+    iso_free(bytes);
+    return status;
+}
+
+/* ---- lines */
+
+/* What apps/page/lines.c takes, in its order: the arrays of lines. */
+typedef struct line_arrays {
+    const void *data[5];
+    size_t bytes[5];
+} line_arrays;
+
+enum { STARTS = 3 }; /* which are numbers of 32 bits there */
+
+static line_arrays arrays_of(const iso_lines *l) {
+    const size_t n = l->vertex_count;
+    return (line_arrays){{l->vertices, l->radii, l->normals, l->starts, l->colors},
+                         {n * sizeof *l->vertices, l->radii ? n * sizeof *l->radii : 0,
+                          l->normals ? n * sizeof *l->normals : 0, (l->line_count + 1) * sizeof(uint32_t),
+                          l->colors ? n * sizeof *l->colors : 0}};
+}
+
+static size_t lines_bytes(const iso_lines *lines) {
+    const line_arrays arrays = arrays_of(lines);
+    size_t sum = 0;
+    for (int i = 0; i < 5; i++) sum += arrays.bytes[i];
+    return (sum + 7) / 8 * 8; /* floats of the next lines are aligned */
+}
+
+static void put_arrays(const iso_lines *lines, char *to) {
+    const line_arrays arrays = arrays_of(lines);
+    memset(to, 0, lines_bytes(lines));
+    for (int i = 0; i < 5; i++) {
+        if (i == STARTS)
+            for (size_t k = 0; k <= lines->line_count; k++)
+                ((uint32_t *)(void *)to)[k] = (uint32_t)lines->starts[k];
+        else if (arrays.bytes[i])
+            memcpy(to, arrays.data[i], arrays.bytes[i]);
+        to += arrays.bytes[i];
+    }
+}
+
+/* Packs all lines. Sets p->bytes, to be freed. */
+static iso_status pack_lines(const iso_page *page, size_t most, packed *p, iso_error *error) {
+    size_t sum = 0, at = 0;
+    for (int i = 0; i < page->lines_count; i++) sum += lines_bytes(&page->lines[i].lines);
+    char *bytes = iso_alloc(sum);
+    p->bytes = iso_alloc(most);
+    iso_status status = ISO_OK;
+    if (!bytes || !p->bytes) status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for the lines of a page");
+    for (int i = 0; i < page->lines_count && status == ISO_OK; i++) {
+        put_arrays(&page->lines[i].lines, bytes + at);
+        at += lines_bytes(&page->lines[i].lines);
+    }
+    if (status == ISO_OK) status = pack(bytes, sum, most, Z_BEST_COMPRESSION, p, error);
+    iso_free(bytes);
+    return status;
+}
+
 /* ---- the first picture */
 
 enum { STILL = 512, STEP = 8 }; /* most pixels on a side; between values of a channel */
@@ -240,20 +322,91 @@ static void put_color(iso_json *json, const char *key, iso_rgb c) {
     iso_json_integer(json, key, (uint64_t)(c.r << 16 | c.g << 8 | c.b));
 }
 
-static void put_surfaces(iso_json *json, const iso_page *page) {
-    iso_json_begin_array(json, "surfaces");
-    for (int i = 0; i < page->count; i++) {
-        const iso_page_surface *s = &page->surfaces[i];
+static void put_translucency(iso_json *json, const iso_translucency *t) {
+    iso_json_real(json, "opacity", (double)t->opacity);
+    iso_json_bool(json, "constant", t->constant);
+    iso_json_real(json, "absorption", (double)t->absorption_length);
+    iso_json_integer(json, "layers", (uint64_t)t->most_layers);
+}
+
+static void put_surfaces(iso_json *json, const char *key, const iso_page_surface *surfaces, int count) {
+    iso_json_begin_array(json, key);
+    for (int i = 0; i < count; i++) {
+        const iso_page_surface *s = &surfaces[i];
         iso_json_begin_object(json, NULL);
         iso_json_real(json, "isovalue", s->isovalue);
         put_color(json, "color", s->color);
-        iso_json_real(json, "opacity", s->translucency.opacity);
-        iso_json_bool(json, "constant", s->translucency.constant);
-        iso_json_real(json, "absorption", s->translucency.absorption_length);
-        iso_json_integer(json, "layers", (uint64_t)s->translucency.most_layers);
+        put_translucency(json, &s->translucency);
         iso_json_end_object(json);
     }
     iso_json_end_array(json);
+}
+
+/* The surfaces of groups of labels, and all labels. */
+static void put_labels(iso_json *json, const iso_page_labels *labels) {
+    iso_json_begin_object(json, "labels");
+    iso_json_ints(json, "dims", labels->dims, 3);
+    iso_json_integer(json, "type", label_bytes(labels) == 1 ? ISO_UINT8 : ISO_UINT16);
+    iso_json_reals(json, "transform", (const double *)labels->transform, 15);
+    iso_json_integer(json, "shared", (uint64_t)labels->shared);
+    put_surfaces(json, "groups", labels->groups, labels->group_count);
+    iso_json_begin_array(json, "items");
+    for (int i = 1; i < labels->count; i++) {
+        const iso_page_label *item = &labels->items[i];
+        iso_json_begin_object(json, NULL);
+        iso_json_integer(json, "group", (uint64_t)item->group);
+        if (item->group) iso_json_string(json, "name", item->name); /* what is not drawn is not named */
+        if (item->group) put_color(json, "color", item->color);
+        iso_json_end_object(json);
+    }
+    iso_json_end_array(json);
+    iso_json_end_object(json);
+}
+
+static void put_lines(iso_json *json, const iso_page *page) {
+    iso_json_begin_array(json, "lines");
+    for (int i = 0; i < page->lines_count; i++) {
+        const iso_page_lines *item = &page->lines[i];
+        const iso_lines *l = &item->lines;
+        iso_json_begin_object(json, NULL);
+        iso_json_integer(json, "vertices", l->vertex_count);
+        iso_json_integer(json, "lines", l->line_count);
+        iso_json_integer(json, "bytes", lines_bytes(l));
+        iso_json_integer(json, "has", (l->radii ? 1 : 0) | (l->normals ? 2 : 0) | (l->colors ? 4 : 0));
+        put_vector(json, "origin", l->origin);
+        iso_json_real(json, "radius", item->opts.radius);
+        iso_json_real(json, "minPixels", item->opts.min_pixels);
+        iso_json_integer(json, "style", item->opts.style);
+        iso_json_integer(json, "caps", item->opts.caps);
+        put_color(json, "color", item->color);
+        put_translucency(json, &item->translucency);
+        iso_json_end_object(json);
+    }
+    iso_json_end_array(json);
+}
+
+/* The box of everything, as a volume of two voxels along each axis. */
+static void put_box(iso_json *json, const iso_box *box) {
+    const iso_vec3 size = iso_vec3_sub(box->hi, box->lo);
+    const double transform[15] = {box->lo.x, box->lo.y, box->lo.z, size.x, size.y, size.z, 1, 0,
+                                  0,         0,         1,         0,      0,      0,      1};
+    iso_json_begin_object(json, "box");
+    iso_json_ints(json, "dims", (const int[3]){2, 2, 2}, 3);
+    iso_json_reals(json, "transform", transform, 15);
+    iso_json_end_object(json);
+}
+
+/* The volume, and which isovalues there are voxels for. */
+static void put_volume(iso_json *json, const iso_rgrid *grid, const double range[2]) {
+    iso_json_begin_object(json, "volume");
+    iso_json_ints(json, "dims", grid->dims, 3);
+    iso_json_integer(json, "type", (uint64_t)grid->type);
+    iso_json_real(json, "scale", grid->scale);
+    iso_json_real(json, "offset", grid->offset);
+    iso_json_reals(json, "transform", (const double *)&grid->transform, 15);
+    iso_json_integer(json, "levelSet", (uint64_t)grid->level_set);
+    iso_json_reals(json, "range", range, 2);
+    iso_json_end_object(json);
 }
 
 static void put_camera(iso_json *json, const iso_camera *camera) {
@@ -269,19 +422,15 @@ static void put_camera(iso_json *json, const iso_camera *camera) {
 
 /* Writes what the page's script has to know, as JSON that may stand in an element of HTML. */
 static iso_status put_facts(FILE *stream, const iso_page *page, const packed *voxels, iso_error *error) {
-    const iso_rgrid *grid = page->grid;
     iso_json json = {.one_line = true};
     iso_json_begin_object(&json, NULL);
     iso_json_string(&json, "name", page->name);
-    iso_json_ints(&json, "dims", grid->dims, 3);
-    iso_json_integer(&json, "type", (uint64_t)grid->type);
-    iso_json_integer(&json, "bytes", iso_type_size(grid->type));
-    iso_json_real(&json, "scale", grid->scale);
-    iso_json_real(&json, "offset", grid->offset);
-    iso_json_reals(&json, "transform", (const double *)&grid->transform, 15);
-    iso_json_integer(&json, "levelSet", (uint64_t)grid->level_set);
-    iso_json_reals(&json, "range", voxels->range, 2);
-    put_surfaces(&json, page);
+    iso_json_bool(&json, "withoutInput", page->without_input);
+    if (page->grid) put_volume(&json, page->grid, voxels->range);
+    put_surfaces(&json, "surfaces", page->surfaces, page->count);
+    if (page->labels) put_labels(&json, page->labels);
+    put_lines(&json, page);
+    if (!page->grid && !page->labels) put_box(&json, &page->bounds);
     put_camera(&json, page->camera);
     put_color(&json, "background", page->background);
     iso_json_reals(&json, "plane", page->clip.plane, 4);
@@ -310,7 +459,7 @@ static iso_status put_facts(FILE *stream, const iso_page *page, const packed *vo
 
 typedef struct parts {
     const iso_page *page;
-    const packed *voxels;
+    const packed *voxels, *labels, *lines;
     const iso_page_file *engine;
     unsigned char *png;
     size_t png_size;
@@ -318,11 +467,12 @@ typedef struct parts {
 
 /* Writes what stands at a mark of the template. */
 static iso_status put_part(FILE *stream, const char *mark, size_t length, const parts *p, iso_error *error) {
-    const char *const names[] = {"NAME", "PNG", "FACTS", "ENGINE", "VOXELS", "PAGE", "WORKER"};
+    const char *const names[] = {"NAME",   "PNG",   "FACTS", "ENGINE", "VOXELS",
+                                 "LABELS", "LINES", "PAGE",  "WORKER"};
     size_t which = 0;
     while (strlen(names[which]) != length || strncmp(names[which], mark, length) != 0) which++;
-    const iso_page_file *file = which == 5   ? find_file("page.js")
-                                : which == 6 ? find_file("worker.js")
+    const iso_page_file *file = which == 7   ? find_file("page.js")
+                                : which == 8 ? find_file("worker.js")
                                              : NULL;
     switch (which) {
     case 0:
@@ -338,6 +488,12 @@ static iso_status put_part(FILE *stream, const char *mark, size_t length, const 
         return ISO_OK;
     case 4:
         iso_html_base64(stream, p->voxels->bytes, p->voxels->size);
+        return ISO_OK;
+    case 5:
+        iso_html_base64(stream, p->labels->bytes, p->labels->size);
+        return ISO_OK;
+    case 6:
+        iso_html_base64(stream, p->lines->bytes, p->lines->size);
         return ISO_OK;
     default:
         fwrite(file->bytes, 1, file->size, stream);
@@ -361,53 +517,94 @@ static iso_status put_page(FILE *stream, const parts *p, iso_error *error) {
     return ISO_OK;
 }
 
-static bool has_layers(const iso_page *page) {
-    bool any = false;
-    for (int i = 0; i < page->count; i++) any |= page->surfaces[i].translucency.opacity < 1;
-    return any;
+static const iso_page_file *choose_engine(const iso_page *page) {
+    bool layers = false;
+    for (int i = 0; i < page->count; i++) layers |= page->surfaces[i].translucency.opacity < 1;
+    return find_file(page->lines_count ? "lines.wasm.gz"
+                     : page->labels    ? "labels.wasm.gz"
+                     : layers          ? "layers.wasm.gz"
+                                       : "opaque.wasm.gz");
 }
 
-/* What may be packed voxels: what the other parts leave. */
-static iso_status make_room(packer *p, const char *path, const parts *made, iso_error *error) {
-    const bool given = !isnan(p->page->range[0]);
-    const uint64_t most = p->page->most ? p->page->most
-                          : given       ? ISO_PAGE_BYTES_GIVEN
-                                        : ISO_PAGE_BYTES,
+/* How many packed bytes of voxels, labels and lines there can be: what the other parts leave. */
+static iso_status find_room(const iso_page *page, const char *path, const parts *made, size_t *room,
+                            iso_error *error) {
+    const bool given = !isnan(page->range[0]);
+    const uint64_t most = page->most ? page->most
+                          : given    ? ISO_PAGE_BYTES_GIVEN
+                                     : ISO_PAGE_BYTES,
                    texts = 40000,
                    others = texts + base64_length(made->engine->size) + base64_length(made->png_size);
     if (most <= others + 1000)
         return iso_fail(error, ISO_ERR_LIMIT, "%s: --page-size: a page takes %.1f MB without its voxels",
                         path, (double)others / 1e6);
-    const uint64_t room = (most - others) / 4 * 3;
-    p->most = (size_t)(room < UINT32_MAX / 2 ? room : UINT32_MAX / 2);
-    p->voxels = iso_alloc(p->bytes);
-    p->best.bytes = iso_alloc(p->most);
-    p->tried.bytes = iso_alloc(p->most);
-    if (p->voxels && p->best.bytes && p->tried.bytes) return ISO_OK;
-    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the voxels of a page");
+    const uint64_t left = (most - others) / 4 * 3;
+    *room = (size_t)(left < UINT32_MAX / 2 ? left : UINT32_MAX / 2);
+    return ISO_OK;
+}
+
+/* Packs the volume, into *best, whose bytes are to be freed. */
+static iso_status pack_volume(const iso_page *page, const char *path, size_t most, packed *best,
+                              iso_error *error) {
+    packer p = {
+        .page = page, .bytes = voxel_count(page->grid->dims) * iso_type_size(page->grid->type), .most = most};
+    ISO_TRY(iso_brick_index_of(page->grid, page->pool, NULL, error));
+    p.voxels = iso_alloc(p.bytes);
+    p.best.bytes = iso_alloc(p.most);
+    p.tried.bytes = iso_alloc(p.most);
+    const iso_status status = p.voxels && p.best.bytes && p.tried.bytes
+                                  ? pack_voxels(&p, path, error)
+                                  : iso_fail(error, ISO_ERR_NOMEM, "out of memory for the voxels of a page");
+    iso_free(p.voxels);
+    iso_free(p.tried.bytes);
+    *best = p.best;
+    return status;
+}
+
+/* Packs lines and labels, then the voxels of the volume into what they leave. */
+static iso_status pack_all(const iso_page *page, const char *path, size_t room, packed *lines, packed *labels,
+                           packed *voxels, iso_error *error) {
+    enum { LEAST = 1000 }; /* for what is packed next */
+    if (page->lines_count) {
+        ISO_TRY(pack_lines(page, room, lines, error));
+        if (!lines->size || room < lines->size + LEAST)
+            return iso_fail(error, ISO_ERR_LIMIT,
+                            "%s: the lines take more than %.1f MB: --page-size allows more", path,
+                            (double)room / 1e6);
+        room -= lines->size;
+    }
+    if (page->labels) {
+        ISO_TRY(pack_labels(page->labels, room, labels, error));
+        if (!labels->size || room < labels->size + LEAST)
+            return iso_fail(error, ISO_ERR_LIMIT,
+                            "%s: the labels take more than %.1f MB: --page-size allows more", path,
+                            (double)room / 1e6);
+    }
+    return page->grid ? pack_volume(page, path, room - labels->size, voxels, error) : ISO_OK;
 }
 
 iso_status iso_page_put(FILE *stream, const char *path, const iso_page *page, iso_page_written *written,
                         iso_error *error) {
-    const size_t voxels =
-        (size_t)page->grid->dims[0] * (size_t)page->grid->dims[1] * (size_t)page->grid->dims[2];
-    packer p = {.page = page, .bytes = voxels * iso_type_size(page->grid->type)};
-    parts made = {.page = page, .voxels = &p.best};
+    packed voxels = {0}, labels = {0}, lines = {0};
+    parts made = {.page = page, .voxels = &voxels, .labels = &labels, .lines = &lines};
+    size_t room = 0;
     ISO_TRY(iso_page_check(path, error));
-    ISO_TRY(iso_brick_index_of(page->grid, page->pool, NULL, error));
-    made.engine = find_file(has_layers(page) ? "layers.wasm.gz" : "opaque.wasm.gz");
+    made.engine = choose_engine(page);
     iso_status status = encode_still(page, &made.png, &made.png_size, error);
-    if (status == ISO_OK) status = make_room(&p, path, &made, error);
-    if (status == ISO_OK) status = pack_voxels(&p, path, error);
+    if (status == ISO_OK) status = find_room(page, path, &made, &room, error);
+    if (status == ISO_OK) status = pack_all(page, path, room, &lines, &labels, &voxels, error);
     if (status == ISO_OK) status = put_page(stream, &made, error);
-    *written = (iso_page_written){.range = {p.best.range[0], p.best.range[1]},
-                                  .engine_bytes = base64_length(made.engine->size),
-                                  .voxel_bytes = base64_length(p.best.size),
-                                  .kept = (double)p.best.kept / (double)voxels};
+    *written = (iso_page_written){
+        .range = {voxels.range[0], voxels.range[1]},
+        .engine_bytes = base64_length(made.engine->size),
+        .voxel_bytes = base64_length(voxels.size),
+        .label_bytes = base64_length(labels.size),
+        .line_bytes = base64_length(lines.size),
+        .kept = page->grid ? (double)voxels.kept / (double)voxel_count(page->grid->dims) : 0};
     free(made.png);
-    iso_free(p.voxels);
-    iso_free(p.best.bytes);
-    iso_free(p.tried.bytes);
+    iso_free(voxels.bytes);
+    iso_free(labels.bytes);
+    iso_free(lines.bytes);
     return status;
 }
 

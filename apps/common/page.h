@@ -1,6 +1,6 @@
-/* page: a picture of isosurfaces as one HTML file that anyone can open, without a network or a server, and in
- * which the surface can be turned and its isovalue moved. It holds the voxels that this needs, and the
- * engine that draws them (apps/page): the library itself, compiled to WebAssembly. docs/page.md. */
+/* page: a picture of isosurfaces, labels and lines as one HTML file that anyone can open, without a network
+ * or a server, and in which these can be turned and isovalues moved. It holds the voxels that this needs, and
+ * the engine that draws them (apps/page): the library itself, compiled to WebAssembly. docs/page.md. */
 #ifndef ISO_APPS_COMMON_PAGE_H
 #define ISO_APPS_COMMON_PAGE_H
 
@@ -10,6 +10,7 @@
 
 #include "isopoint.h"
 #include "scene/layered_picture.h"
+#include "scene/object.h"
 
 enum { ISO_PAGE_SURFACES = 16 };
 /* The largest page when nobody says it: of a range that is chosen, and of one that is given. */
@@ -29,12 +30,45 @@ typedef struct iso_page_clip {
     bool cap; /* the cut is closed in the colours of the surfaces */
 } iso_page_clip;
 
+/* How a label is drawn. */
+typedef struct iso_page_label {
+    const char *name;
+    iso_rgb color;
+    int group; /* of labels, 1 .. group_count; 0: it is not drawn */
+} iso_page_label;
+
+/* A volume of labels. */
+typedef struct iso_page_labels {
+    int dims[3];
+    const iso_transform *transform;
+    const uint16_t
+        *number; /* of every voxel, x fastest: the place of its label in `items`; 0: the background */
+    const iso_page_label *items;
+    int count;                      /* of items, with that of the background; each of the others has voxels */
+    const iso_page_surface *groups; /* their surfaces, without isovalues */
+    int group_count;
+    int shared; /* the group whose surface has the colours of its labels; 0: none */
+} iso_page_labels;
+
+/* Lines, as they are drawn. */
+typedef struct iso_page_lines {
+    iso_lines lines; /* whose arrays are borrowed */
+    iso_shapes_opts opts;
+    iso_rgb color;
+    iso_translucency translucency;
+} iso_page_lines;
+
 /* What is written; all borrowed. */
 typedef struct iso_page {
-    const char *name; /* of the input, as the page's title and command have it */
-    iso_rgrid *grid;
+    const char *name;   /* of the input, as the page's title and command have it */
+    bool without_input; /* the name is that of labels or lines: the command has no input */
+    iso_rgrid *grid;    /* NULL: there are no isosurfaces */
     const iso_page_surface *surfaces;
-    int count; /* ISO_PAGE_SURFACES at most */
+    int count;                     /* ISO_PAGE_SURFACES at most */
+    const iso_page_labels *labels; /* NULL: none */
+    const iso_page_lines *lines;
+    int lines_count; /* of files */
+    iso_box bounds;  /* of everything; used without volume and labels */
     iso_page_clip clip;
     const iso_camera *camera;
     const iso_image *image; /* the first picture */
@@ -51,8 +85,8 @@ typedef struct iso_page {
 /* What has been written. */
 typedef struct iso_page_written {
     double range[2];
-    uint64_t bytes, engine_bytes, voxel_bytes; /* of the file, and of parts of it */
-    double kept;                               /* share of the voxels that are kept */
+    uint64_t bytes, engine_bytes, voxel_bytes, label_bytes, line_bytes; /* of the file, and of parts of it */
+    double kept; /* share of the voxels that are kept */
 } iso_page_written;
 
 /* Whether a file of this name is a page. */

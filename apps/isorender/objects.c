@@ -179,25 +179,34 @@ iso_status isorender_object_style(isorender_object *object, iso_error *error) {
     return isorender_object_color(object, error);
 }
 
-static iso_status prepare_lines(isorender_object *object, const isorender_line_pixels *pixels,
-                                bool by_pullpush, iso_error *error) {
+iso_lines isorender_object_lines(const isorender_object *object, const isorender_line_pixels *pixels,
+                                 iso_shapes_opts *opts) {
     const double given = object->settings->radius,
                  usual = object->field.components ? isorender_field_radius(object) : (double)NAN;
     const isorender_line_style style = object->settings->style;
     iso_lines drawn = object->lines;
-    iso_shapes_opts opts = {.radius = isnan(given) ? usual : given,
-                            .min_pixels = pixels->least,
-                            .drop_pixels = pixels->drop,
-                            .caps = object->settings->caps,
-                            .shading = object->settings->shading};
+    *opts = (iso_shapes_opts){.radius = isnan(given) ? usual : given,
+                              .min_pixels = pixels->least,
+                              .drop_pixels = pixels->drop,
+                              .caps = object->settings->caps,
+                              .shading = object->settings->shading};
+    if (style == ISORENDER_STYLE_RIBBON)
+        opts->style = ISO_LINE_RIBBON;
+    else
+        drawn.normals = NULL;
     if (style == ISORENDER_STYLE_LINE) { /* no size in space */
         drawn.radii = NULL;
-        opts.radius = 0;
-    } else if (style == ISORENDER_STYLE_RIBBON) {
-        ISO_TRY(iso_lines_add_normals(&object->lines, error));
-        drawn.normals = object->lines.normals;
-        opts.style = ISO_LINE_RIBBON;
+        opts->radius = 0;
     }
+    return drawn;
+}
+
+static iso_status prepare_lines(isorender_object *object, const isorender_line_pixels *pixels,
+                                bool by_pullpush, iso_error *error) {
+    if (object->settings->style == ISORENDER_STYLE_RIBBON)
+        ISO_TRY(iso_lines_add_normals(&object->lines, error));
+    iso_shapes_opts opts;
+    const iso_lines drawn = isorender_object_lines(object, pixels, &opts);
     object->scene.lines = &object->lines;
     ISO_TRY(iso_shapes_from_lines(&drawn, &opts, &object->scene.shapes, error));
     return by_pullpush ? iso_pyramid_lines_create(&drawn, &opts, &object->scene.pyramid_lines, error)

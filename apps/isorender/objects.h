@@ -59,6 +59,11 @@ typedef struct isorender_line_pixels {
     double least, drop;
 } isorender_line_pixels;
 
+/* The lines as they are drawn, with the object's arrays; sets *opts. Ribbons have normals after
+ * isorender_object_prepare. */
+iso_lines isorender_object_lines(const isorender_object *object, const isorender_line_pixels *pixels,
+                                 iso_shapes_opts *opts);
+
 /* Prepares what was read for drawing, and finds its bounds. by_pullpush: lines are drawn by pull-push.
  * ISO_ERR_NOMEM. */
 iso_status isorender_object_prepare(isorender_object *object, const isorender_line_pixels *pixels,

@@ -7,13 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
+#include "apps/page/engine.h"
 #include "grids/brick_index.h"
-#include "scene/picture.h"
-
-#define EXPORT(name) __attribute__((export_name(#name)))
-
-enum { SURFACES = 16 };
 
 /* The row of the method exact in the table of methods (scene/method.c), which would bring all others. */
 static iso_status draw_exact(const iso_scene_surface *surface, const iso_target *target, iso_error *error) {
@@ -27,24 +22,7 @@ const iso_renderer *iso_renderer_get(iso_method method) {
     return method == ISO_METHOD_EXACT ? &renderer : NULL;
 }
 
-/* The volume, and the same with every second voxel on each axis, for moving pictures of fine surfaces. */
-typedef struct level {
-    iso_grid grid;
-    iso_scene_surface parts[SURFACES];
-} level;
-
-static struct {
-    level levels[2];
-    iso_layered_surface surfaces[SURFACES]; /* without their parts */
-    iso_rgb colors[SURFACES];
-    int count;
-    iso_rgb background;
-    iso_clip clip;
-    bool caps;
-    iso_camera camera;
-    iso_buffer pixels;
-    iso_error error;
-} page;
+struct page page;
 
 EXPORT(alloc) void *page_alloc(size_t bytes) {
     return iso_alloc(bytes);
@@ -54,13 +32,9 @@ EXPORT(error_text) const char *page_error(void) {
     return page.error.text;
 }
 
-/* Takes a volume of nx x ny x nz voxels at `data`, from alloc. transform: origin, spacing and direction, 15
- * numbers. */
-EXPORT(volume)
-int page_volume(int nx, int ny, int nz, int type, void *data, double scale, double offset,
-                const double *transform, int level_set) {
+iso_status page_grid(int nx, int ny, int nz, int type, void *data, double scale, double offset,
+                     const double *transform, int level_set, iso_rgrid **grid) {
     iso_transform t;
-    iso_rgrid **grid = &page.levels[0].grid.rgrid;
     memcpy(&t, transform, sizeof t);
     const iso_rgrid_desc desc = {.dims = {nx, ny, nz},
                                  .type = (iso_type)type,
@@ -69,7 +43,15 @@ int page_volume(int nx, int ny, int nz, int type, void *data, double scale, doub
                                  .offset = offset,
                                  .transform = &t,
                                  .level_set = level_set};
-    ISO_TRY(iso_rgrid_create(&desc, grid, &page.error));
+    return iso_rgrid_create(&desc, grid, &page.error);
+}
+
+/* Takes a volume of nx x ny x nz voxels at `data`, from alloc. */
+EXPORT(volume)
+int page_volume(int nx, int ny, int nz, int type, void *data, double scale, double offset,
+                const double *transform, int level_set) {
+    iso_rgrid **grid = &page.levels[0].grid.rgrid;
+    ISO_TRY(page_grid(nx, ny, nz, type, data, scale, offset, transform, level_set, grid));
     return iso_brick_index_of(*grid, NULL, NULL, &page.error);
 }
 
@@ -99,17 +81,15 @@ static iso_status halve(void) {
     return iso_brick_index_of(*made, NULL, NULL, &page.error);
 }
 
-static iso_rgb rgb(int color) {
-    return (iso_rgb){(uint8_t)(color >> 16), (uint8_t)(color >> 8), (uint8_t)color};
-}
-
-/* Sets surface `number`, from 0 without gaps. color: 0xRRGGBB. Its cells are found when it is drawn. */
+/* Sets surface `number`, from 0 without gaps. color: 0xRRGGBB. group: of labels; 0: it is an isosurface. Its
+ * cells are found when it is drawn. */
 EXPORT(surface)
 void page_surface(int number, double isovalue, int color, double opacity, int constant, double absorption,
-                  int most_layers) {
+                  int most_layers, int group) {
     if (number >= page.count) page.count = number + 1;
     for (int k = 0; k < 2; k++) page.levels[k].parts[number].isovalue = isovalue;
     page.colors[number] = rgb(color);
+    page.groups[number] = group;
     page.surfaces[number] =
         (iso_layered_surface){NULL, {(float)opacity, constant != 0, (float)absorption, most_layers}};
 }
@@ -147,11 +127,11 @@ static iso_status update(iso_scene_surface *part) {
     return iso_exact_update(part->exact, &page.error);
 }
 
-/* The cells that the surfaces cross together, after a picture of the first level. */
+/* The cells that the isosurfaces cross together, after a picture of the first level. */
 EXPORT(cells) double page_cells(void) {
     double cells = 0;
     for (int i = 0; i < page.count; i++)
-        cells += (double)iso_exact_stats(page.levels[0].parts[i].exact).cells;
+        if (!page.groups[i]) cells += (double)iso_exact_stats(page.levels[0].parts[i].exact).cells;
     return cells;
 }
 
@@ -161,21 +141,30 @@ EXPORT(draw)
 uint8_t *page_draw(int width, int height, int first, int rows, int samples, int orthographic, int half) {
     iso_capped solids[SURFACES];
     iso_layered_surface surfaces[SURFACES];
-    level *drawn = &page.levels[half != 0];
     bool translucent = false;
     page.camera.orthographic = orthographic != 0;
     if (iso_buffer_reserve(&page.pixels, (size_t)width * (size_t)rows * 4, 0, &page.error) != ISO_OK ||
         iso_camera_check(&page.camera, &page.error) != ISO_OK)
         return NULL;
-    if (half && !drawn->grid.rgrid && halve() != ISO_OK) return NULL;
+    if (half && !page.levels[1].grid.rgrid && halve() != ISO_OK) return NULL;
     for (int i = 0; i < page.count; i++) {
+        const group *labels = page.groups[i] ? &page.labels[page.groups[i]] : NULL;
+        level *drawn = &page.levels[half && !labels];
         iso_scene_surface *part = &drawn->parts[i];
         surfaces[i] = (iso_layered_surface){part, page.surfaces[i].translucency};
-        part->grid = drawn->grid;
+        part->grid = labels ? labels->grid : drawn->grid;
+        part->labels = labels ? labels->colors : NULL;
+        part->borders = labels != NULL;
         part->clip = page.clip.count ? &page.clip : NULL;
         translucent |= page.surfaces[i].translucency.opacity < 1;
-        solids[i] = (iso_capped){&part->grid, part->isovalue, (uint8_t)i, page.colors[i], part->clip, false};
+        solids[i] =
+            (iso_capped){&part->grid, part->isovalue, (uint8_t)i, page.colors[i], part->clip, labels != NULL};
         if (update(part) != ISO_OK) return NULL;
+    }
+    for (int i = 0; i < page.object_count; i++) {
+        translucent |= !iso_scene_object_is_opaque(page.objects[i]);
+        page.objects[i]->clip = page.clip.count ? &page.clip : NULL;
+        page.colors[page.count + i] = page.objects[i]->color;
     }
     const iso_cut_caps caps = {
         .solids = solids, .count = page.count, .caps = true, .factor = iso_picture_factor(samples)};
@@ -184,13 +173,16 @@ uint8_t *page_draw(int width, int height, int first, int rows, int samples, int 
     iso_scene scene = {.renderer = &renderer,
                        .surfaces = surfaces,
                        .count = page.count,
+                       .objects = page.objects,
+                       .object_count = page.object_count,
                        .translucent = translucent,
                        .caps = page.caps ? &caps : NULL};
-    iso_picture_opts opts = {.view = &band,
-                             .width = width,
-                             .height = rows,
-                             .samples = samples,
-                             .shading = {page.colors, page.count, page.background, 0, {0, 0, 0}}};
+    iso_picture_opts opts = {
+        .view = &band,
+        .width = width,
+        .height = rows,
+        .samples = samples,
+        .shading = {page.colors, page.count + page.object_count, page.background, 0, {0, 0, 0}}};
     iso_image image = {.width = width, .height = rows, .rgba = page.pixels.data};
     return iso_scene_render(&scene, &opts, &image, NULL, &page.error) == ISO_OK ? image.rgba : NULL;
 }

@@ -4,7 +4,7 @@
 // 16 samples a pixel.
 (() => {
 const $ = id => document.getElementById(id), canvas = $('canvas'), say = text => { $('say').textContent = text; };
-const facts = JSON.parse($('facts').textContent), [low, high] = facts.range;
+const facts = JSON.parse($('facts').textContent), { volume, labels } = facts, [low, high] = volume ? volume.range : [0, 0];
 const SAMPLES = [1, 4, 16], FRAME_MS = 40, REST_MS = 150, COARSEST = 4, SIDE = 4096;
 // What the canvas shows, and from how many cells on moving pictures are of every second voxel. Tests look at it.
 const state = { samples: 0, frames: 0, halves: 0, drawn: null, halfCells: 1e6 };
@@ -36,9 +36,9 @@ const hex = color => color.toString(16).padStart(6, '0');
 state.command = () => {
   const d = state.drawn, c = d.camera, list = (a, b) => c.slice(a, b).join(',');
   const name = facts.name[0] === '-' ? './' + facts.name : facts.name, png = facts.name.replace(/(\.\w+)?\.\w+$/, '') || 'picture';
-  const words = ['isorender', quote(name), quote((png[0] === '-' ? './' : '') + png + '.png'),
+  const words = ['isorender', ...facts.withoutInput ? [] : [quote(name)], quote((png[0] === '-' ? './' : '') + png + '.png'),
     ...facts.options.map(o => o.replace(/^(--[\w-]+=?)(.*)$/s, (_, option, value) => option + (value && quote(value)))),
-    `--isovalue=${d.isovalues.join(',')}`, `--color=${facts.surfaces.map(s => hex(s.color)).join(',')}`,
+    ...volume ? [`--isovalue=${d.isovalues.join(',')}`, `--color=${facts.surfaces.map(s => hex(s.color)).join(',')}`] : [],
     `--background=${hex(facts.background)}`, `--camera-position=${list(0, 3)}`, `--camera-focal-point=${list(3, 6)}`,
     `--camera-view-up=${list(6, 9)}`];
   if (facts.camera.orthographic) words.push(`--mm-per-pixel=${2 * c[10] / d.height}`);
@@ -83,10 +83,11 @@ function draw(samples) {
   const [width, height] = size.map(n => Math.max(16, Math.round(n / (moving ? coarse : 1))));
   const bands = Math.min(height, workers.length * (moving ? 1 : samples === 1 ? 2 : 8)), clip = clipNumbers();
   frame = { number: ++number, width, height, samples, moving, coarse: moving ? coarse : 1, left: bands, start: performance.now(),
-    image: new ImageData(width, height), isovalues: [...view.isovalues], clip, half: moving && cells > state.halfCells };
+    image: new ImageData(width, height), isovalues: [...view.isovalues], clip, half: moving && !!volume && cells > state.halfCells };
   const job = { frame: frame.number, width, height, samples, half: frame.half, moves: moves.splice(0),
     camera: settleScale(view.camera.slice(), height), clip: [...clip, facts.cap],
-    surfaces: facts.surfaces.map((s, i) => ({ ...s, isovalue: view.isovalues[i] })) };
+    surfaces: [...facts.surfaces.map((s, i) => ({ ...s, isovalue: view.isovalues[i], group: 0 })),
+      ...labels ? labels.groups.map((s, i) => ({ ...s, isovalue: 0, group: i + 1 })) : []] };
   for (let i = 0; i < bands; i++) {
     const from = Math.floor(height * i / bands), to = Math.floor(height * (i + 1) / bands);
     queue.push({ ...job, first: from, rows: to - from });
@@ -180,7 +181,7 @@ canvas.addEventListener('keydown', event => {
   else if (turn) move('orbit', 10 * turn[0], 10 * turn[1]);
   else if (event.key === '+' || event.key === '=') move('zoom', 1.1);
   else if (event.key === '-') move('zoom', 1 / 1.1);
-  else if (event.key === '[' || event.key === ']') setIsovalue(0, view.isovalues[0] + (event.key === ']' ? step : -step));
+  else if (volume && (event.key === '[' || event.key === ']')) setIsovalue(0, view.isovalues[0] + (event.key === ']' ? step : -step));
   else if (event.key === 'Home') reset();
   else if (event.key === 's') save();
   else if (event.key === 'c' && facts.options) copy();
@@ -200,12 +201,31 @@ function showIsovalue(i) {
   const text = String(+view.isovalues[i].toPrecision(8));
   rows[i].number.value = text;
   rows[i].slider.value = view.isovalues[i];
-  canvas.setAttribute('aria-label', `Surface of ${facts.name} at isovalue ${view.isovalues.join(', ')}. Arrow keys turn it, with Shift they move it; ` +
-    'plus and minus zoom; brackets change the isovalue; Home resets; S saves a PNG; C copies the command.');
+  describe();
+}
+function describe() {
+  const what = [volume && `Surface of ${facts.name} at isovalue ${view.isovalues.join(', ')}`, labels && `Labels: ${drawnLabels().map(l => l.name).join(', ')}`,
+    facts.lines.length && `${facts.lines.reduce((sum, l) => sum + l.lines, 0)} lines`];
+  canvas.setAttribute('aria-label', what.filter(text => text).join('. ') + '. Arrow keys turn it, with Shift they move it; plus and minus zoom; ' +
+    (volume ? 'brackets change the isovalue; ' : '') + 'Home resets; S saves a PNG; C copies the command.');
 }
 function element(name, attributes) {
   const made = Object.assign(document.createElement(name), attributes);
   return made;
+}
+function makeSwatch(color) {
+  const swatch = element('span', { className: 'swatch' });
+  swatch.style.background = '#' + hex(color);
+  return swatch;
+}
+const drawnLabels = () => labels.items.filter(label => label.group);
+function makeLegend() {
+  drawnLabels().forEach(label => {
+    const item = element('li', {});
+    item.append(makeSwatch(label.color), label.name);
+    $('legend').append(item);
+  });
+  $('legend').hidden = false;
 }
 function makeRow(i) {
   const row = element('div', { className: 'row' }), label = element('label', { textContent: 'Isovalue', htmlFor: 'slider' + i });
@@ -215,11 +235,7 @@ function makeRow(i) {
   slider.disabled = !(high > low);
   slider.addEventListener('input', () => setIsovalue(i, slider.valueAsNumber));
   number.addEventListener('change', () => setIsovalue(i, number.valueAsNumber));
-  if (facts.surfaces.length > 1) {
-    const swatch = element('span', { className: 'swatch' });
-    swatch.style.background = '#' + hex(facts.surfaces[i].color);
-    row.append(swatch);
-  }
+  if (facts.surfaces.length > 1 || labels) row.append(makeSwatch(facts.surfaces[i].color));
   row.append(label, slider, number);
   $('rows').append(row);
   rows[i] = { slider, number };
@@ -227,10 +243,10 @@ function makeRow(i) {
 }
 // Where the plane of the cut is: between the ends of the volume along its normal.
 function makeCut() {
-  const [x, y, z, offset] = facts.plane, t = facts.transform;
+  const [x, y, z, offset] = facts.plane, { dims, transform: t } = volume || labels || facts.box;
   if (!(x || y || z)) return;
   const ends = [0, 1, 2, 3, 4, 5, 6, 7].map(corner => {
-    const index = [0, 1, 2].map(a => (corner >> a & 1) * (facts.dims[a] - 1) * t[3 + a]);
+    const index = [0, 1, 2].map(a => (corner >> a & 1) * (dims[a] - 1) * t[3 + a]);
     const world = [0, 1, 2].map(row => t[row] + [0, 1, 2].reduce((sum, a) => sum + t[6 + 3 * row + a] * index[a], 0));
     return x * world[0] + y * world[1] + z * world[2] - offset;
   });
@@ -306,12 +322,16 @@ async function begin() {
   const dark = [16, 8, 0].reduce((sum, shift) => sum + (facts.background >> shift & 255), 0) < 384;
   document.body.style.setProperty('--paper', '#' + hex(facts.background));
   document.body.style.setProperty('--ink', dark ? '#eee' : '#222');
-  const [engine, voxels] = await Promise.all([unpack('engine'), unpack('voxels')]);
+  const none = new ArrayBuffer(0);
+  const [engine, voxels, numbers, lines] = await Promise.all([unpack('engine'), volume ? unpack('voxels') : none, labels ? unpack('labels') : none,
+    facts.lines.length ? unpack('lines') : none]);
   const module = await WebAssembly.compile(engine), url = URL.createObjectURL(new Blob([$('worker').textContent], { type: 'text/javascript' }));
-  // Each worker has the voxels, and cells of about as many bytes.
-  const room = Math.floor(1e9 / (2 * voxels.byteLength + 2e7)), count = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 1, room));
-  await Promise.all(Array.from({ length: count }, () => startWorker(url, { module, voxels, facts })));
+  // Each worker has the voxels, and cells of about as many bytes; labels take more: their numbers and level sets; of lines there is a copy.
+  const room = Math.floor(1e9 / (2 * voxels.byteLength + 6 * numbers.byteLength + 2 * lines.byteLength + 2e7)), count = Math.max(1, Math.min(8, navigator.hardwareConcurrency || 1, room));
+  await Promise.all(Array.from({ length: count }, () => startWorker(url, { module, voxels, labels: numbers, lines, facts })));
   facts.surfaces.forEach((_, i) => makeRow(i));
+  if (labels) makeLegend();
+  describe();
   makeCut();
   ['reset', 'save', ...facts.options ? ['copy'] : []].forEach(id => { $(id).hidden = false; });
   $('reset').onclick = reset;

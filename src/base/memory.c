@@ -154,13 +154,27 @@ void iso_free(void *block) {
     free(block);
 }
 
+/* Copies the beginning of a block that is then freed, and gives back its pages as they are copied: both
+ * blocks together take little more memory than the new one. */
+static void move_block(void *to, void *from, size_t bytes) {
+    const size_t step = HUGE_PAGE, page = (size_t)sysconf(_SC_PAGESIZE);
+    for (size_t at = 0; at < bytes; at += step) {
+        const size_t part = bytes - at < step ? bytes - at : step;
+        memcpy((char *)to + at, (char *)from + at, part);
+        if (bytes < step) return;
+        const uintptr_t first = ((uintptr_t)from + at + page - 1) / page * page,
+                        end = ((uintptr_t)from + at + part) / page * page;
+        madvise((char *)first, end - first, MADV_DONTNEED);
+    }
+}
+
 iso_status iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error) {
     if (bytes <= buffer->bytes) return ISO_OK;
     size_t grown = buffer->bytes + buffer->bytes / 2;
     size_t wanted = bytes > grown ? bytes : grown;
     void *data = iso_alloc(wanted);
     if (!data) return iso_fail(error, ISO_ERR_NOMEM, "out of memory: %zu bytes refused", wanted);
-    if (keep) memcpy(data, buffer->data, keep < buffer->bytes ? keep : buffer->bytes);
+    if (keep) move_block(data, buffer->data, keep < buffer->bytes ? keep : buffer->bytes);
     iso_free(buffer->data);
     *buffer = (iso_buffer){data, wanted};
     return ISO_OK;

@@ -29,8 +29,13 @@ typedef struct iso_picture_layers {
  * sample (render/shading/eye_dome.h). */
 typedef enum iso_lighting { ISO_LIGHTING_PHONG, ISO_LIGHTING_EYE_DOME } iso_lighting;
 
-/* Bytes of a gbuffer per sample (depth, normal, surface), and of the gbuffer of a strip at most. */
-enum { ISO_PICTURE_SAMPLE_BYTES = 4 * sizeof(float) + 1, ISO_PICTURE_STRIP_BYTES = 256 << 20 };
+/* Bytes of a gbuffer per sample (depth, normal, surface), and of the gbuffer of a strip at most; of one of an
+ * exact surface, if its pixels take no more. */
+enum {
+    ISO_PICTURE_SAMPLE_BYTES = 4 * sizeof(float) + 1,
+    ISO_PICTURE_STRIP_BYTES = 256 << 20,
+    ISO_EXACT_STRIP_BYTES = 16 << 20
+};
 
 /* Widest line along outlines, pixels. */
 #define ISO_OUTLINE_MOST 16.0

@@ -282,6 +282,21 @@ static iso_status find_occlusion(const iso_scene *scene, iso_picture_opts *opts,
                                 &opts->occlusion, error);
 }
 
+/* Makes the strips of exact surfaces small: the gbuffer takes little memory then, and as many strips take no
+ * longer, because only cells at their borders are drawn twice. (Of points and triangles, all are looked at
+ * for each strip, and outlines and occlusion read the rows around it.) */
+static void keep_strips_small(const iso_scene *scene, iso_picture_opts *opts) {
+    enum { ROWS = 128 }; /* of pixels, at least */
+    const size_t samples = (size_t)opts->width * (size_t)(opts->samples > 1 ? opts->samples : 1),
+                 rows = ROWS * samples * ISO_PICTURE_SAMPLE_BYTES,
+                 small = rows > ISO_EXACT_STRIP_BYTES ? rows : ISO_EXACT_STRIP_BYTES;
+    if (scene->renderer->method != ISO_METHOD_EXACT || scene->engine || scene->object_count ||
+        opts->occlusion || opts->outline > 0 || opts->lighting != ISO_LIGHTING_PHONG)
+        return;
+    const size_t most = opts->strip_bytes ? opts->strip_bytes : ISO_PICTURE_STRIP_BYTES;
+    opts->strip_bytes = most < small ? most : small;
+}
+
 static iso_status render(iso_scene *scene, iso_picture_opts *opts, iso_image *image, size_t *covered,
                          iso_error *error) {
     drawing d = {scene, opts->pool, &opts->shading};
@@ -293,6 +308,7 @@ static iso_status render(iso_scene *scene, iso_picture_opts *opts, iso_image *im
     if (scene->occluders && (!scene->translucent || scene->renderer->can & ISO_CAN_LIT_LAYERS))
         ISO_TRY(find_occlusion(scene, opts, error));
     if (scene->translucent) return render_layers(&d, opts, image, covered, error);
+    keep_strips_small(scene, opts);
     return is_painted(scene, opts) ? paint(scene, opts, image, covered, error)
                                    : iso_picture_render(opts, image, covered, error);
 }

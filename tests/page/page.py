@@ -4,8 +4,10 @@
 usage: page.py FOLDER-OF-PROGRAMS ROOT [CASE ...]     exit status 77: skipped
 """
 import base64
+import math
 import os
 import shlex
+import shutil
 import struct
 import subprocess
 import sys
@@ -30,8 +32,8 @@ def expect(condition, *words):
         print("FAILED:", *words)
 
 
-def isorender(*words):
-    result = subprocess.run([str(programs / "isorender"), *map(str, words)], capture_output=True, text=True, check=False)
+def isorender(*words, cwd=None):
+    result = subprocess.run([str(programs / "isorender"), *map(str, words)], capture_output=True, text=True, check=False, cwd=cwd)
     expect(result.returncode == 0, "isorender", *words, result.stderr)
     return result.stderr
 
@@ -62,6 +64,33 @@ def oblique(path):
                             "space origin: (12.5,-30.25,101)"], struct.pack("<%dh" % len(values), *values))
 
 
+def segmentation(path):
+    """Labels: a block, a ball in it, an oblique sheet, and a label that is not drawn; and names of them."""
+    n, values = (30, 26, 20), []
+    for i in range(n[0] * n[1] * n[2]):
+        x, y, z = i % n[0] - 14.2, i // n[0] % n[1] - 12.6, i // n[0] // n[1] - 9.4
+        ball = x * x + y * y + z * z < 25
+        values.append(7 if ball else 300 if abs(2 * x - y + z - 20) < 2 else 12 if max(abs(x), abs(y), abs(z)) < 8 else 40 if z > 7 else 0)
+    nrrd(path, "ushort", n, ["space: left-posterior-superior", "space directions: (.9,.2,.1) (-.3,1.1,.25) (.05,-.4,1.7)",
+                             "space origin: (12.5,-30.25,101)"], struct.pack("<%dH" % len(values), *values))
+    path.with_suffix(".ctbl").write_text("7 the <b>ball</b> 220 40 40 255\n12 block 40 90 220 255\n300 sheet 40 200 90 255\n40 secret 1 2 3 255\n")
+
+
+def spirals(path, radius=14, turns=3):
+    """Lines as a VTK file, with a column of numbers."""
+    points, lines, numbers = [], [], []
+    for k in range(5):
+        lines.append(range(len(points), len(points) + 60))
+        for i in range(60):
+            t, r = i / 59, radius * (.4 + .12 * k)
+            points.append((12 + r * math.cos(6.28 * turns * t + k), -30 + r * math.sin(6.28 * turns * t + k), 85 + 32 * t))
+            numbers.append(i + 10 * k)
+    path.write_text("# vtk DataFile Version 3.0\nspirals\nASCII\nDATASET POLYDATA\nPOINTS %d float\n%s\nLINES %d %d\n%s\nPOINT_DATA %d\n"
+                    "SCALARS heat float 1\nLOOKUP_TABLE default\n%s\n" % (
+                        len(points), "\n".join("%.5f %.5f %.5f" % p for p in points), len(lines), sum(len(l) + 1 for l in lines),
+                        "\n".join("%d %s" % (len(l), " ".join(map(str, l))) for l in lines), len(points), "\n".join(map(str, numbers))))
+
+
 def rest(browser, what):
     """Waits for the last of the pictures that follow a movement."""
     if not browser.wait("window.isopoint && (isopoint.samples === 16 || isopoint.failed)"):
@@ -79,8 +108,9 @@ def same(browser, source, work, what):
     command = browser.run("return isopoint.command()")
     words = shlex.split(command)
     out = work / "native.png"
-    expect(words[0] == "isorender" and words[1] == Path(source).name, what, "the command is", command)
-    isorender(source, out, *words[3:])
+    at = 2 if source else 1
+    expect(words[0] == "isorender" and (not source or words[1] == Path(source).name), what, "the command is", command)
+    isorender(*[source] * (source is not None), out, *words[at + 1:], cwd=work)
     canvas = base64.b64decode(browser.run(SHOT))
     png = Png(str(out))
     native = b"".join(bytes(v for pixel in row for v in pixel) for row in png.rows)
@@ -93,9 +123,9 @@ def same(browser, source, work, what):
     print("%s: %dx%d, %d bytes differ, %.0f %% shown" % (what, width, height, wrong, 100 * shown))
 
 
-def case(work, name, source, *options, isovalue=None, cut=None):
+def case(work, name, source, *options, isovalue=None, cut=None, legend=None):
     page = work / (name + ".html")
-    isorender(source, page, *options)
+    isorender(*[source] * (source is not None), page, *options, cwd=work)
     with Browser(620, 560) as browser:
         began = time.monotonic()
         browser.open(str(page))
@@ -107,12 +137,16 @@ def case(work, name, source, *options, isovalue=None, cut=None):
         browser.drag([(300, 280), (320, 260)], button=2)
         same(browser, source, work, name + ", zoomed and moved")
         slide = "const s = document.getElementById('slider0'); s.value = +s.min + .7 * (s.max - s.min); s.dispatchEvent(new Event('input'));"
-        browser.run(slide if isovalue is None else "const n = document.getElementById('number0'); n.value = %r; "
-                    "n.dispatchEvent(new Event('change'));" % isovalue)
-        same(browser, source, work, name + ", another isovalue")
+        if browser.run("return !!document.getElementById('slider0')"):
+            browser.run(slide if isovalue is None else "const n = document.getElementById('number0'); n.value = %r; "
+                        "n.dispatchEvent(new Event('change'));" % isovalue)
+            same(browser, source, work, name + ", another isovalue")
         if cut:
             browser.run(slide.replace("slider0", "cut").replace(".7", str(cut)))
             same(browser, source, work, name + ", another cut")
+        if legend:
+            shown = browser.run("return [...document.querySelectorAll('#legend li')].map(e => e.textContent + ' ' + e.firstChild.style.background)")
+            expect(shown == legend and browser.run("return document.getElementById('legend').clientHeight > 20"), name, "the legend is", shown)
         expect(not [u for u in browser.requests() if not u.startswith(("file://" + str(page), "blob:", "data:"))], name, "asked the network")
         errors = [e["message"] for e in browser.log("browser") if e["level"] == "SEVERE"]
         expect(not errors, name, errors)
@@ -239,6 +273,45 @@ def cases(work):
         oblique(work / "layers.nrrd")
         case(work, "layers", work / "layers.nrrd", "--isovalue=300,900", "--opacity=.3,1", "--color=gold,808090")
     yield "layers", layers
+
+    legend = ["the <b>ball</b> rgb(220, 40, 40)", "block rgb(40, 90, 220)", "sheet rgb(40, 200, 90)"]
+    drawn = ["--label-table=tables/seg.ctbl", "--label=all,40:0,block:.4"]
+
+    def labels():
+        segmentation(work / "seg.nrrd")
+        (work / "tables").mkdir()
+        shutil.copy(work / "seg.ctbl", work / "tables")
+        case(work, "labels", None, "--labels=seg.nrrd", *drawn, legend=legend)
+        text = (work / "labels.html").read_text()
+        expect("secret" not in text and "tables" not in text, "the name of a label that is not drawn, or a folder, is in the page")
+    yield "labels", labels
+
+    def labels_cut():
+        segmentation(work / "seg.nrrd")
+        case(work, "labels_cut", work / "seg.nrrd", "--smooth", "--label=7,12,300", "--clip=14,-25,120:1,2,-.3", "--cap=surface", cut=.56)
+    yield "labels_cut", labels_cut
+
+    def labels_beside():
+        oblique(work / "oblique.nrrd")
+        segmentation(work / "seg.nrrd")
+        case(work, "labels_beside", work / "oblique.nrrd", "--isovalue=300", "--opacity=.3", "--labels=seg.nrrd", "--label=7,300", "--clip=14,-25,120:1,2,-.3",
+             "--cap=surface", cut=.56)
+    yield "labels_beside", labels_beside
+
+    def lines():
+        spirals(work / "tracts.vtk")
+        case(work, "lines", None, "--lines=tracts.vtk", "--tube-radius=1.5", "--color-by=heat", "--clip=14,-25,105:1,2,-.3", cut=.4)
+    yield "lines", lines
+
+    def lines_beside():
+        oblique(work / "oblique.nrrd")
+        segmentation(work / "seg.nrrd")
+        spirals(work / "tracts.vtk")
+        spirals(work / "ribbons.vtk", 20, 1)
+        case(work, "lines_beside", work / "oblique.nrrd", "--isovalue=300", "--opacity=.3", "--labels=seg.nrrd", "--label=7,300", "--lines=tracts.vtk",
+             "--lines=ribbons.vtk", "--line-style=line", "--line-style=ribbon", "--tube-radius=2", "--line-color=red", "--line-color=teal", "--line-min-pixels=2.5")
+        case(work, "lines_translucent", work / "oblique.nrrd", "--isovalue=900", "--lines=tracts.vtk", "--line-opacity=.4", "--tube-radius=1", "--caps=flat")
+    yield "lines_beside", lines_beside
 
     def cut():
         oblique(work / "cut.nrrd")
