@@ -186,7 +186,7 @@ void main() {
     n *= inversesqrt(length_of_n);
     float scale = orthographic ? axis.w : axis.w / at.z;
     centre.xy = clamp(at.xy * scale + axis.xy, -ISO_GL_FURTHEST, ISO_GL_FURTHEST);
-    float mm = max(own_radius, 0.0);
+    float mm = max(own_radius * step_x.w, 0.0);
     bool curved = place.w > 0.0;
     float wide = (mm * scale - ISO_DISCS_GROW_FROM) *
                  (1.0 / (curved ? ISO_DISCS_GROW_OVER : ISO_DISCS_FLAT_GROW_OVER));

@@ -71,12 +71,12 @@ static iso_status ensure_discs(const iso_gl_discs_draw *d, int width, int height
 
 /* ---- uniforms and visible blocks */
 
-/* The largest radius of the surface's points, mm. */
-static double largest_radius(const iso_gl_surface *surface) {
+/* The largest thickness of the surface's discs, mm. */
+static double thickness_of(const iso_gl_surface *surface) {
     const iso_gl_span *spans = surface->spans.data;
     double radius = 0;
     for (size_t s = 0; s < surface->span_count; s++) radius = fmax(radius, spans[s].radius);
-    return radius;
+    return (double)ISO_DISCS_THICKNESS * (double)(ISO_DISCS_BALL + ISO_DISCS_BALL_MORE) * radius;
 }
 
 static void upload_uniforms(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
@@ -87,21 +87,20 @@ static void upload_uniforms(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
     const bool anisotropic = spacing[0] != spacing[1] || spacing[1] != spacing[2];
     const double voxels = surface->surfels ? 1 : ISO_POINT_STEP;
     const int margin = iso_gl_engine_margin(d->engine);
-    const double thickness = (double)ISO_DISCS_THICKNESS * (double)(ISO_DISCS_BALL + ISO_DISCS_BALL_MORE) *
-                             largest_radius(surface);
     const bool bordered = surface->dims[0] > 0 && surface->dims[1] > 0 && surface->dims[2] > 0;
     iso_gl_discs_uniforms u = {
         .axis = {(float)(view->cx - t->x), (float)(view->cy - t->y),
                  view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near, (float)view->focal},
         .sizes = {view->orthographic ? 0 : (float)(1 / view->focal), iso_discs_voxels_per_mm(p->normal),
                   anisotropic ? (float)fmax(spacing[0], fmax(spacing[1], spacing[2])) : 0,
-                  (float)(1.001 * thickness)},
+                  (float)(1.001 * d->thickness)},
         .screen = {(float)(t->width + 2 * margin), (float)(t->height + 2 * margin), (float)margin,
                    (float)d->engine->max_point},
         .tile = {t->width, t->height, t->x, t->y},
         .picture = {view->width, view->height, d->number, d->color},
         .flags = {view->orthographic, d->cull, surface->has_colors, d->widened}};
     float *steps[] = {u.step_x, u.step_y, u.step_z}, *normals[] = {u.normal_x, u.normal_y, u.normal_z};
+    u.step_x[3] = surface->radii_scale;
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 3; i++) steps[k][i] = (float)(p->matrix[3 * k + i] * voxels);
         memcpy(normals[k], p->normal + 3 * k, 3 * sizeof *normals[k]);
@@ -118,7 +117,7 @@ static void upload_uniforms(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
 static bool is_visible(const iso_gl_discs_draw *d, const iso_point_block *block, const iso_gl_tile *t) {
     const double reach = iso_discs_largest_radius(block) * d->slant + 2, cy = d->view->cy - t->y;
     return block->seen && !(d->cull && block->back_facing) && block->row[1] + cy + reach >= 0 &&
-           block->row[0] + cy - reach <= t->height;
+           block->row[0] + cy - reach <= t->height && !iso_gl_is_behind(d, block);
 }
 
 bool iso_gl_is_curved(const iso_gl_discs_draw *d, const iso_point_block *block) {
@@ -364,7 +363,9 @@ iso_status iso_gl_draw_discs(const iso_gl_surface *surface, const iso_view *view
                            .cull = surface->closed && !surface->blocks->around_eye,
                            .flat = style.flat,
                            .widened = style.widened,
-                           .number = number};
+                           .number = number,
+                           .before = style.before,
+                           .thickness = thickness_of(surface)};
     if (style.color) d.color = style.color->r | style.color->g << 8 | style.color->b << 16 | 1 << 24;
     const int side = engine->max_side, width = view->width < side ? view->width : side;
     int height = SAMPLES_MOST / width;

@@ -3,6 +3,7 @@
 #define ISO_RENDER_GL_DISCS_H
 
 #include "render/gl/surface.h"
+#include "render/selection/depth_pyramid.h"
 #include "render/view/project.h"
 
 typedef struct iso_gl_discs_style {
@@ -12,6 +13,9 @@ typedef struct iso_gl_discs_style {
      * only where it also pays, and without choosing some of those that share a pixel */
     iso_point_selection selection;
     const iso_rgb *color; /* of a surface whose points have none; the picture has colours then. NULL: none */
+    /* The greatest depths of the picture that is drawn over, in the whole view: blocks of points behind them
+     * are left out. They may be those of an earlier state of it. NULL: none is left out. */
+    const iso_depth_pyramid *before;
 } iso_gl_discs_style;
 
 /* Draws the points of a surface over the samples in the buffer ISO_GL_STORE_PICTURE, which has the view's

@@ -4,6 +4,7 @@
 #define ISO_RENDER_GL_DISCS_DRAW_H
 
 #include "render/gl/surface.h"
+#include "render/selection/depth_pyramid.h"
 
 /* The drawing of one surface. */
 typedef struct iso_gl_discs_draw {
@@ -19,6 +20,8 @@ typedef struct iso_gl_discs_draw {
     bool select;  /* only visible points are drawn (render/gl/selection.h) */
     bool cells;   /* there may be dense blocks */
     int number;
+    const iso_depth_pyramid *before; /* of the picture that is drawn over; NULL: not known */
+    double thickness;                /* the largest of a disc, mm */
     int color; /* of all samples: red, green and blue from the lowest byte on, and 1 << 24; 0: none */
 } iso_gl_discs_draw;
 

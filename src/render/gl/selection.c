@@ -274,28 +274,44 @@ iso_status iso_gl_selection_pays(const iso_gl_discs_draw *d, iso_buffer *room, b
 
 /* ---- blocks */
 
+/* Depths of a part of the view that begins at (x, y): the greatest of each square, which is `more` mm less
+ * than what hides. */
+typedef struct square_depths {
+    int x, y, width, height;
+    const float *greatest;
+    double more;
+} square_depths;
+
 /* Whether nothing that the block's points can change is visible. */
-static bool is_hidden(const iso_gl_discs_draw *d, const iso_gl_tile *t, const iso_gl_tile_block *b,
-                      const float *deepest) {
-    const iso_point_block *block = (const iso_point_block *)d->surface->blocks->blocks.data + b->number;
+static bool is_hidden(const iso_gl_discs_draw *d, const iso_point_block *block, bool dense,
+                      const square_depths *depths) {
     const iso_view *view = d->view;
     const double pixel =
         view->orthographic ? 1 / view->focal : (double)block->depth[1] / view->focal; /* mm */
     double radius = (double)iso_discs_largest_radius(block), around = radius * (double)d->slant + 2;
     if (block->clipped) return false;
-    if (b->kind == ISO_GL_DENSE) {
+    if (dense) {
         radius = (double)SMALL;
         around = SMALL_AROUND;
     }
-    const double front =
-        (double)block->depth[0] - 1.01 * pixel * (RADII_BEHIND * radius + (double)ISO_DISCS_LOW_PASS_DEPTH);
+    const double front = (double)block->depth[0] - depths->more -
+                         1.01 * pixel * (RADII_BEHIND * radius + (double)ISO_DISCS_LOW_PASS_DEPTH);
     int x[2], y[2];
-    squares_of(block->column, view->cx - t->x, around, t->width, x);
-    squares_of(block->row, view->cy - t->y, around, t->height, y);
+    squares_of(block->column, view->cx - depths->x, around, depths->width, x);
+    squares_of(block->row, view->cy - depths->y, around, depths->height, y);
     for (int v = y[0]; v <= y[1]; v++)
         for (int u = x[0]; u <= x[1]; u++)
-            if (!((double)deepest[v * squares(t->width) + u] < front)) return false;
+            if (!((double)depths->greatest[v * squares(depths->width) + u] < front)) return false;
     return true;
+}
+
+_Static_assert(ISO_GL_SQUARE == ISO_DEPTH_CELL, "squares are the lowest level of pyramids of depths");
+
+bool iso_gl_is_behind(const iso_gl_discs_draw *d, const iso_point_block *block) {
+    if (!d->before) return false;
+    const square_depths depths = {
+        0, 0, d->view->width, d->view->height, d->before->level[0], 1.001 * d->thickness};
+    return is_hidden(d, block, false, &depths);
 }
 
 /* The number of points that are tested one by one. */
@@ -316,11 +332,13 @@ iso_status iso_gl_find_hidden(const iso_gl_discs_draw *d, iso_gl_tile *t, iso_bu
     ISO_TRY(find_deepest(d, t, error));
     d->gl->GetNamedBufferSubData(d->engine->storage[ISO_GL_STORE_DEEPEST], 0, (GLsizeiptr)bytes, room->data);
     d->gl->GetNamedBufferSubData(d->engine->storage[ISO_GL_STORE_TOTAL], 0, sizeof drawn, &drawn);
+    const iso_point_block *blocks = d->surface->blocks->blocks.data;
+    const square_depths depths = {t->x, t->y, t->width, t->height, room->data, 0};
     t->stale |= drawn > count_tested(d, t) / MANY;
     *revealed = 0;
     for (size_t i = 0; i < t->block_count; i++) {
         iso_gl_tile_block *block = &t->blocks[i];
-        block->hidden = is_hidden(d, t, block, room->data);
+        block->hidden = is_hidden(d, &blocks[block->number], block->kind == ISO_GL_DENSE, &depths);
         *revealed += !block->hidden && !block->tested && !d->engine->keep_holes;
     }
     const bool all = ++t->rounds == ROUNDS;

@@ -43,6 +43,10 @@ iso_status iso_gl_selection_pays(const iso_gl_discs_draw *draw, iso_buffer *room
 /* How points of a block are selected, if its discs are not wider than the driver's points. */
 iso_gl_block_kind iso_gl_block_kind_of(const iso_gl_discs_draw *draw, const iso_point_block *block);
 
+/* Whether the picture that is drawn over (draw->before) hides everything that the block's points could
+ * change. */
+bool iso_gl_is_behind(const iso_gl_discs_draw *draw, const iso_point_block *block);
+
 /* Sets which blocks of a tile, and which of their points, are drawn first: those seen in the frame before, if
  * there was one. ISO_ERR_LIMIT. */
 iso_status iso_gl_selection_begin(const iso_gl_discs_draw *draw, iso_gl_tile *tile, iso_error *error);

@@ -69,6 +69,7 @@ struct iso_gl_surface {
     iso_gl_seen *seen;        /* of points. Owned */
     iso_point_blocks *blocks; /* of points; a block's `first` counts from its span's first point. Owned */
     double radius;            /* mm, of all points when there are no radii */
+    float radii_scale;        /* what radii of the points' own are multiplied by as discs */
     int32_t dims[3];          /* voxels of the grid that the points come from; 0: not known */
     uint64_t uploaded;        /* bytes, by the last update */
     iso_triangle_strips strips;
@@ -174,6 +175,10 @@ static inline int iso_gl_engine_margin(const iso_gl_engine *engine) {
 /* ISO_ERR_LIMIT when a copy of so many bytes does not fit into free memory: software renderers keep
  * buffers in main memory and are killed when it runs out. */
 iso_status iso_gl_check_memory(const iso_gl_engine *engine, uint64_t bytes, iso_error *error);
+
+/* Makes a surface of points an instance of those that were uploaded, which must be the same arrays: of other
+ * spans of them, with another transform and other sizes. Nothing is uploaded. ISO_ERR_NOMEM. */
+iso_status iso_gl_surface_place(iso_gl_surface *surface, const iso_point_view *points, iso_error *error);
 
 /* Uploads the commands (iso_gl_points_command or iso_gl_mesh_command) and per-instance data
  * (iso_gl_instance, or three int32_t with a mesh's brick) of a multi-draw; they stay until the next call. */
