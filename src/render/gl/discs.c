@@ -304,8 +304,8 @@ static iso_status run_pass(const iso_gl_discs_draw *d, const iso_gl_tile *t, iso
     return status;
 }
 
-/* Finds the fronts of a tile; with selection those of visible points, first of those seen before, then of
- * those that these do not hide, from more blocks until the fronts hide all others. */
+/* Finds the fronts of a tile; with selection those of visible points, first of those that made them before,
+ * then of those that may change these, from more blocks until the fronts hide all others. */
 static iso_status make_fronts(const iso_gl_discs_draw *d, iso_gl_tile *t, iso_buffer *room,
                               iso_error *error) {
     for (size_t revealed = 1; revealed;) {

@@ -68,7 +68,7 @@
 #define ISO_GL_ELEMENTS 5
 #define ISO_GL_TOTAL 6
 #define ISO_GL_DEEPEST 7
-#define ISO_GL_MARKED_BEFORE 1 /* a bit for each point: it was marked in the frame before */
+#define ISO_GL_MARKED_FRONTS 1 /* a bit for each point: it makes fronts, or did in the frame before */
 #define ISO_GL_PICTURE 0       /* uint: planes of a gbuffer: depth, normal x, y, z, surface, colours */
 #define ISO_GL_PICTURE_PLANES 5
 #define ISO_GL_STORAGE_SLOTS 8

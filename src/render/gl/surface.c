@@ -552,7 +552,7 @@ void iso_gl_surface_destroy(iso_gl_surface *surface) {
     if (!surface) return;
     iso_gl_context *context = surface->engine->context;
     if (iso_gl_enter(context, NULL) == ISO_OK) {
-        if (surface->seen) context->gl->DeleteBuffers(2, surface->seen->points);
+        if (surface->seen) context->gl->DeleteBuffers(2, surface->seen->fronts);
         const GLuint buffers[] = {surface->vertices.name, surface->radii.name, surface->colors.name,
                                   surface->curvatures.name, surface->indices.name};
         const GLuint arrays[] = {surface->array, surface->quad_array};

@@ -53,10 +53,11 @@ typedef struct iso_gl_mesh_command {
 
 /* Which blocks of points, and which of their points, the last picture showed (selection.h). */
 typedef struct iso_gl_seen {
-    iso_buffer flags;   /* uint8_t, one a block */
-    size_t count;       /* of blocks; 0: not known */
-    unsigned points[2]; /* buffers of a bit for each point: of this picture, and of the one before */
-    size_t room;        /* points that they have bits for */
+    iso_buffer flags; /* uint8_t, one a block */
+    size_t count;     /* of blocks; 0: not known */
+    /* Buffers of a bit for each point, 1: its disc made fronts; of this picture, and of the one before. */
+    unsigned fronts[2];
+    size_t room; /* points that they have bits for */
 } iso_gl_seen;
 
 struct iso_gl_surface {
@@ -104,12 +105,13 @@ typedef enum iso_gl_storage {
     ISO_GL_STORE_HITS,
     ISO_GL_STORE_CELLS, /* of the selection of points, as the next ones */
     ISO_GL_STORE_MARKED,
+    ISO_GL_STORE_VISIBLE, /* a bit for each point of blocks that are tested: the fronts do not hide it */
     ISO_GL_STORE_CHOSEN,
     ISO_GL_STORE_ELEMENTS,
     ISO_GL_STORE_TOTAL,
     ISO_GL_STORE_DEEPEST
 } iso_gl_storage;
-enum { ISO_GL_STORES = 28 };
+enum { ISO_GL_STORES = 29 };
 
 /* Render targets of the method discs: nearest depths and sums. At least as large as a tile. */
 typedef struct iso_gl_disc_targets {
