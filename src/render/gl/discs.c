@@ -120,6 +120,29 @@ static bool is_visible(const iso_gl_discs_draw *d, const iso_point_block *block,
            block->row[0] + cy - reach <= t->height && !iso_gl_is_behind(d, block);
 }
 
+/* The part of the view that the surface's discs can cover. */
+static iso_area area_of(const iso_gl_discs_draw *d) {
+    const iso_view *view = d->view;
+    const iso_point_block *block = d->surface->blocks->blocks.data;
+    const int size[2] = {view->width, view->height};
+    const double axis[2] = {view->cx, view->cy};
+    double low[2] = {size[0], size[1]}, high[2] = {-1, -1};
+    for (size_t i = 0; i < d->surface->blocks->count; i++, block++) {
+        const double reach = (double)(iso_discs_largest_radius(block) * d->slant + 2);
+        const int32_t *pixels[2] = {block->column, block->row};
+        if (!block->seen || (d->cull && block->back_facing)) continue;
+        for (int k = 0; k < 2; k++) {
+            low[k] = block->clipped ? 0 : iso_min(low[k], pixels[k][0] + axis[k] - reach);
+            high[k] = block->clipped ? size[k] - 1 : iso_max(high[k], pixels[k][1] + 1 + axis[k] + reach);
+        }
+    }
+    iso_area area = {{0, -1}, {0, -1}, 0};
+    iso_rows *const to[2] = {&area.columns, &area.rows};
+    for (int k = 0; k < 2; k++)
+        *to[k] = (iso_rows){(int)iso_max(low[k], 0), (int)iso_min(high[k], size[k] - 1)};
+    return area;
+}
+
 bool iso_gl_is_curved(const iso_gl_discs_draw *d, const iso_point_block *block) {
     return !d->flat && d->surface->has_curvatures && !d->surface->has_colors &&
            block->radius[1] >= ISO_DISCS_FLAT_RADIUS;
@@ -371,16 +394,20 @@ iso_status iso_gl_draw_discs(const iso_gl_surface *surface, const iso_view *view
     int height = SAMPLES_MOST / width;
     if (height > side) height = side;
     if (height > view->height) height = view->height;
+    d.area = area ? *area : area_of(&d);
+    if (iso_area_is_empty(&d.area)) return ISO_OK;
     ISO_TRY(choose_selection(&d, style.selection, room, width, height, error));
     ISO_TRY(ensure_discs(&d, width, height, error));
-    const iso_rows columns = area ? area->columns : (iso_rows){0, view->width - 1},
-                   rows = area ? area->rows : (iso_rows){0, view->height - 1};
+    const iso_rows columns = d.area.columns, rows = d.area.rows;
     for (int y = rows.first; y <= rows.last; y += height)
         for (int x = columns.first; x <= columns.last; x += width) {
+            const bool first = x == columns.first && y == rows.first;
             iso_gl_tile t = {.x = x, .y = y, .width = width, .height = height};
             if (t.width > columns.last + 1 - x) t.width = columns.last + 1 - x;
             if (t.height > rows.last + 1 - y) t.height = rows.last + 1 - y;
-            t.whole = t.width == view->width && t.height == view->height && !view->above && !view->below;
+            t.first = first && !view->above;
+            t.whole =
+                t.first && !view->below && t.width == columns.last + 1 - x && t.height == rows.last + 1 - y;
             ISO_TRY(draw_tile(&d, &t, room, error));
             ISO_TRY(iso_gl_check(engine->context, error)); /* stop when the context is lost */
         }

@@ -20,9 +20,8 @@ typedef struct iso_gl_discs_style {
 
 /* Draws the points of a surface over the samples in the buffer ISO_GL_STORE_PICTURE, which has the view's
  * size. iso_point_blocks_set_view must have been called for the view; the context must be current.
- * `area`: the part of the view that is drawn into; NULL: all of it. `number` is the surface number written
- * into the picture, `room` working memory. ISO_ERR_NOMEM,
- * ISO_ERR_BACKEND. */
+ * `area`: the part of the view that is drawn into; NULL: what the surface covers. `number` is the surface
+ * number written into the picture, `room` working memory. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
 iso_status iso_gl_draw_discs(const iso_gl_surface *surface, const iso_view *view, int number,
                              iso_gl_discs_style style, const iso_area *area, iso_buffer *room,
                              iso_error *error);

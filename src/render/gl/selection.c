@@ -269,7 +269,8 @@ iso_status iso_gl_selection_pays(const iso_gl_discs_draw *d, iso_buffer *room, b
     }
     const double covered = COVERED * ISO_GL_SQUARE * ISO_GL_SQUARE * sums.squares,
                  visible = fmin(1, covered / fmax(sums.area, 1)), test = TEST_COST * sums.points,
-                 pixels = PIXEL_COST * view->width * height;
+                 pixels = PIXEL_COST * (d->area.columns.last + 1 - d->area.columns.first) *
+                          (d->area.rows.last + 1 - d->area.rows.first);
     /* Without a frame before, all discs are drawn into the fronts. */
     const bool known = d->surface->seen->count > 0;
     const double fronts = known ? fmin(visible, FRONTS * covered / fmax(sums.points, 1)) : 1;
@@ -406,8 +407,7 @@ static void count_points(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
     const iso_point_block *blocks = d->surface->blocks->blocks.data;
     iso_selection_counts *counts = &d->engine->selection;
     uint32_t chosen;
-    for (size_t i = 0; i < d->surface->blocks->count && !t->x && !t->y && !d->view->above; i++)
-        counts->points += blocks[i].count;
+    for (size_t i = 0; i < d->surface->blocks->count && t->first; i++) counts->points += blocks[i].count;
     for (size_t i = 0; i < t->block_count; i++)
         if (t->blocks[i].tested) counts->tested += blocks[t->blocks[i].number].count;
     for (size_t i = t->end[ISO_GL_TESTED]; i < t->draws; i++) counts->drawn += t->commands[i].count;
