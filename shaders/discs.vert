@@ -8,7 +8,8 @@
  * SELECT 1 and 2: nothing is drawn, but the visible points of small discs are found
  * (render/gl/selection.h) in two passes. 1: each cell gets the least depth of the points that it
  * contains, or whose discs cover the centre of its pixel. 2: the points with these depths are marked.
- * SELECT 3: the points of larger discs are marked that the fronts found so far do not hide. */
+ * SELECT 3: the points of larger discs are marked that the fronts found so far do not hide, and those that
+ * may have made these fronts, or that would change them. */
 #ifndef SURFELS
 #define SURFELS 0
 #endif
@@ -70,6 +71,13 @@ vec4 convolved(vec3 n, vec2 ray, float away, float size) {
     return vec4((xx + det) * part, xy * part, (yy + det) * part, sqrt(part));
 }
 
+#if SELECT
+/* The values of disc_block that the hits of flat discs depend on. */
+struct flat_disc {
+    vec4 centre, facing, along, low, high;
+};
+#endif
+
 #if SELECT >= 2
 layout(std430, binding = ISO_GL_MARKED) buffer marked_buffer { uint marked[]; };
 
@@ -80,6 +88,8 @@ void mark() {
 
 #if SELECT == 3
 layout(std430, binding = ISO_GL_DEEPEST) readonly buffer deepest_buffer { float deepest[]; };
+layout(std430, binding = ISO_GL_MARKED_FRONTS) buffer front_buffer { uint marked_fronts[]; };
+layout(binding = ISO_GL_FRONTS) uniform sampler2D fronts;
 
 /* Squares of pixels along an axis; wider discs are not tested. */
 const int SQUARES_MOST = 8;
@@ -110,6 +120,37 @@ bool is_hidden(vec3 at, vec2 column_row, float scale, float radius, bool filtere
     }
     return at.z >= axis.z && is_behind(column_row, reach, at.z - 1.001 * behind - 1e-6 * abs(at.z));
 }
+
+/* Whether a flat disc covers a pixel no farther than its fronts (discs.frag), within what rounding and the
+ * disc's box may change. */
+bool is_front_at(flat_disc d, ivec2 pixel) {
+    vec2 at = vec2(pixel) + 0.5;
+    float mm = orthographic ? 1.0 / axis.w : d.centre.z * sizes.x, radius = d.centre.w;
+    vec3 e = vec3((at - d.centre.xy) * mm, 0.0);
+    float facing_eye = -(d.along.x + dot(d.along.yz, e.xy));
+    if (!(facing_eye > 0.01)) return true; /* hardly exact */
+    vec3 q = e + dot(d.facing.xyz, e) / facing_eye * ray_to(at);
+    if (measured(q, q) > 1.002 * radius * radius) return false;
+    float depth = d.centre.z + q.z - 1e-6 * abs(d.centre.z) - 2e-4 * radius;
+    vec4 front = texelFetch(fronts, pixel, 0);
+    if (!(d.facing.w > 0.0)) return depth <= front.y;
+    return depth <= front.x || depth - ISO_DISCS_THICKNESS * radius <= front.z;
+}
+
+/* Pixels: the largest reach of discs whose pixels are looked at one by one. */
+const float REACH_MOST = 2.5;
+
+/* Whether a disc may have made a front, or would change one. */
+bool is_front(flat_disc d) {
+    vec2 reach = vec2(d.low.w, d.high.w) + 0.01;
+    if (max(reach.x, reach.y) > REACH_MOST) return true;
+    ivec2 from = max(ivec2(ceil(d.centre.xy - reach - 0.5)), ivec2(0)),
+          to = min(ivec2(floor(d.centre.xy + reach - 0.5)), tile.xy - 1);
+    for (int y = from.y; y <= to.y; y++)
+        for (int x = from.x; x <= to.x; x++)
+            if (is_front_at(d, ivec2(x, y))) return true;
+    return false;
+}
 #endif
 
 #if SELECT == 1 || SELECT == 2
@@ -131,11 +172,6 @@ int cells_of(ivec2 pixel) {
     if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) return -1;
     return (at.y * size.x + at.x) * ISO_GL_PIXEL_CELLS;
 }
-
-/* The values of disc_block that the hits of flat discs depend on. */
-struct flat_disc {
-    vec4 centre, facing, along, low, high;
-};
 
 /* Whether the disc covers a position in the picture, and the depth of the hit: the same as discs.frag.
  * `precise`: both passes must compute the same bits. */
@@ -186,7 +222,7 @@ void main() {
     n *= inversesqrt(length_of_n);
     float scale = orthographic ? axis.w : axis.w / at.z;
     centre.xy = clamp(at.xy * scale + axis.xy, -ISO_GL_FURTHEST, ISO_GL_FURTHEST);
-    float mm = max(own_radius, 0.0);
+    float mm = max(own_radius * step_x.w, 0.0);
     bool curved = place.w > 0.0;
     float wide = (mm * scale - ISO_DISCS_GROW_FROM) *
                  (1.0 / (curved ? ISO_DISCS_GROW_OVER : ISO_DISCS_FLAT_GROW_OVER));
@@ -195,9 +231,10 @@ void main() {
     if (place.w > 0.0) radius *= disc_scale(curvature);
     centre.zw = vec2(at.z, radius);
 #if SELECT == 3
-    if (!is_hidden(at, centre.xy, scale, radius, place.w < 0.0)) mark();
-    leave_out();
-    return;
+    if (is_hidden(at, centre.xy, scale, radius, place.w < 0.0)) {
+        leave_out();
+        return;
+    }
 #endif
 
     vec3 view_normal = to_view(n), ray = ray_to(centre.xy);
@@ -259,8 +296,15 @@ void main() {
         leave_out();
         return;
     }
-#if SELECT == 1 || SELECT == 2
-    enter_cells(flat_disc(centre, facing, along, low, high));
+#if SELECT
+    flat_disc d = flat_disc(centre, facing, along, low, high);
+#if SELECT == 3
+    mark();
+    if (near || place.w > 0.0 || place.w < 0.0 && widened || is_front(d))
+        atomicOr(marked_fronts[gl_VertexID >> 5], 1u << (gl_VertexID & 31));
+#else
+    enter_cells(d);
+#endif
     leave_out();
     return;
 #endif

@@ -13,7 +13,7 @@ struct elements_command {
 };
 layout(std430, binding = ISO_GL_COMMANDS) readonly buffer command_buffer { points_command commands[]; };
 layout(std430, binding = ISO_GL_MARKED) readonly buffer marked_buffer { uint marked[]; };
-layout(std430, binding = ISO_GL_MARKED_BEFORE) readonly buffer before_buffer { uint before[]; };
+layout(std430, binding = ISO_GL_MARKED_FRONTS) readonly buffer before_buffer { uint before[]; };
 layout(std430, binding = ISO_GL_CHOSEN) writeonly buffer chosen_buffer { uint chosen[]; };
 layout(std430, binding = ISO_GL_ELEMENTS) writeonly buffer element_buffer { elements_command elements[]; };
 layout(std430, binding = ISO_GL_TOTAL) buffer total_buffer { uint total; };

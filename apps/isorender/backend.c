@@ -20,7 +20,7 @@ static bool has_no_surface(const isorender_settings *settings) {
 static bool has_gl(const isorender_settings *settings) {
     if (has_no_surface(settings)) return is_any(settings->backend, "egl", "osmesa");
     if (settings->cut_count) return false;
-    /* OpenGL draws hidden instances, too: not by itself */
+    /* in software renderers instances take longer by OpenGL than by the cpu */
     if (settings->instances && !is_any(settings->backend, "egl", "osmesa")) return false;
     return settings->method != ISORENDER_METHOD_UNCHOSEN && isorender_method_can(settings, ISO_CAN_GL);
 }

@@ -431,7 +431,7 @@ static const iso_option options[] = {
      "draw the model once for each point of a .csv (with a row of names) or .ply, as the trees of a forest: "
      "its origin comes to lie at x y z (mm), rotated by qx qy qz qw (a quaternion) or rx ry rz (degrees "
      "about the world's x axis, then y, then z), in the size scale and the colour red green blue, as far as "
-     "there are these columns; drawn as discs. What is out of view or (by the cpu) hidden takes no time. "
+     "there are these columns; drawn as discs. What is out of view or hidden takes hardly any time. "
      "--volume, --lines, --glyphs and --surface are drawn once, beside them",
      .group = PICTURE, TEXT(instances), .flags = ISO_OPTION_READS},
     {"method", NULL, "NAME",

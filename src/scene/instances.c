@@ -51,6 +51,7 @@ iso_status iso_placed_draw(iso_placed *placed, iso_method method, const iso_scen
                          .set_count = 1,
                          .count = placements->count,
                          .lod_pixels = leveled ? surface->lod_pixels : 0,
+                         .draw_hidden = surface->selection == ISO_SELECTION_ALL,
                          .selection = surface->selection,
                          .reconstruction = iso_renderer_get(method)->discs,
                          .colors = placements->colors,

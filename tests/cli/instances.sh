@@ -162,14 +162,17 @@ cmp kept.csv in/one.csv
 
 # by OpenGL: with radii of their own or one for all, colours, levels of detail, and instances beside the picture
 isorender --list-backends | grep '^egl surfaceless.*, ' >/dev/null || exit 0
-near="--camera-position 9.5,-60,9.5 --camera-focal-point 9.5,0,9.5 $look --instances in/row.csv"
-for model in "in/ball.mha --isovalue 500" "model.ply --method splats --lod 1"; do
+near="$look --resolution 160x160 --instances in/row.csv --camera front --camera-position 9.5,-60,9.5 --camera-focal-point 9.5,0,9.5"
+for model in "in/ball.mha --isovalue 500 --method discs" "model.ply --method splats --lod 1"; do
     isorender $model $near cpu.png --json=cpu.json
     isorender $model $near gl.png --backend egl --json=gl.json
+    isorender $model $near all.png --backend egl --selection all --json=all.json
     isocompare images cpu.png gl.png --fail-under psnr=43 >/dev/null
+    same gl.png all.png
     python3 - <<'P'
 from check import *
-cpu, gl = report("cpu.json"), report("gl.json")
-expect(gl["backend"] == "egl" and gl["image"]["instances"]["outside"] == cpu["image"]["instances"]["outside"] > 0, gl)
+cpu, gl, every = (report(name + ".json") for name in ("cpu", "gl", "all"))
+expect(gl["backend"] == "egl" and gl["image"]["instances"] == cpu["image"]["instances"], gl["image"], cpu["image"])
+expect(gl["image"]["instances"]["hidden"] == 1 and every["image"]["instances"]["hidden"] == 0, gl["image"], every["image"])
 P
 done

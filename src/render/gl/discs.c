@@ -71,12 +71,12 @@ static iso_status ensure_discs(const iso_gl_discs_draw *d, int width, int height
 
 /* ---- uniforms and visible blocks */
 
-/* The largest radius of the surface's points, mm. */
-static double largest_radius(const iso_gl_surface *surface) {
+/* The largest thickness of the surface's discs, mm. */
+static double thickness_of(const iso_gl_surface *surface) {
     const iso_gl_span *spans = surface->spans.data;
     double radius = 0;
     for (size_t s = 0; s < surface->span_count; s++) radius = fmax(radius, spans[s].radius);
-    return radius;
+    return (double)ISO_DISCS_THICKNESS * (double)(ISO_DISCS_BALL + ISO_DISCS_BALL_MORE) * radius;
 }
 
 static void upload_uniforms(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
@@ -87,21 +87,20 @@ static void upload_uniforms(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
     const bool anisotropic = spacing[0] != spacing[1] || spacing[1] != spacing[2];
     const double voxels = surface->surfels ? 1 : ISO_POINT_STEP;
     const int margin = iso_gl_engine_margin(d->engine);
-    const double thickness = (double)ISO_DISCS_THICKNESS * (double)(ISO_DISCS_BALL + ISO_DISCS_BALL_MORE) *
-                             largest_radius(surface);
     const bool bordered = surface->dims[0] > 0 && surface->dims[1] > 0 && surface->dims[2] > 0;
     iso_gl_discs_uniforms u = {
         .axis = {(float)(view->cx - t->x), (float)(view->cy - t->y),
                  view->near < -ISO_NOWHERE ? -ISO_NOWHERE : (float)view->near, (float)view->focal},
         .sizes = {view->orthographic ? 0 : (float)(1 / view->focal), iso_discs_voxels_per_mm(p->normal),
                   anisotropic ? (float)fmax(spacing[0], fmax(spacing[1], spacing[2])) : 0,
-                  (float)(1.001 * thickness)},
+                  (float)(1.001 * d->thickness)},
         .screen = {(float)(t->width + 2 * margin), (float)(t->height + 2 * margin), (float)margin,
                    (float)d->engine->max_point},
         .tile = {t->width, t->height, t->x, t->y},
         .picture = {view->width, view->height, d->number, d->color},
         .flags = {view->orthographic, d->cull, surface->has_colors, d->widened}};
     float *steps[] = {u.step_x, u.step_y, u.step_z}, *normals[] = {u.normal_x, u.normal_y, u.normal_z};
+    u.step_x[3] = surface->radii_scale;
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 3; i++) steps[k][i] = (float)(p->matrix[3 * k + i] * voxels);
         memcpy(normals[k], p->normal + 3 * k, 3 * sizeof *normals[k]);
@@ -118,7 +117,30 @@ static void upload_uniforms(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
 static bool is_visible(const iso_gl_discs_draw *d, const iso_point_block *block, const iso_gl_tile *t) {
     const double reach = iso_discs_largest_radius(block) * d->slant + 2, cy = d->view->cy - t->y;
     return block->seen && !(d->cull && block->back_facing) && block->row[1] + cy + reach >= 0 &&
-           block->row[0] + cy - reach <= t->height;
+           block->row[0] + cy - reach <= t->height && !iso_gl_is_behind(d, block);
+}
+
+/* The part of the view that the surface's discs can cover. */
+static iso_area area_of(const iso_gl_discs_draw *d) {
+    const iso_view *view = d->view;
+    const iso_point_block *block = d->surface->blocks->blocks.data;
+    const int size[2] = {view->width, view->height};
+    const double axis[2] = {view->cx, view->cy};
+    double low[2] = {size[0], size[1]}, high[2] = {-1, -1};
+    for (size_t i = 0; i < d->surface->blocks->count; i++, block++) {
+        const double reach = (double)(iso_discs_largest_radius(block) * d->slant + 2);
+        const int32_t *pixels[2] = {block->column, block->row};
+        if (!block->seen || (d->cull && block->back_facing)) continue;
+        for (int k = 0; k < 2; k++) {
+            low[k] = block->clipped ? 0 : iso_min(low[k], pixels[k][0] + axis[k] - reach);
+            high[k] = block->clipped ? size[k] - 1 : iso_max(high[k], pixels[k][1] + 1 + axis[k] + reach);
+        }
+    }
+    iso_area area = {{0, -1}, {0, -1}, 0};
+    iso_rows *const to[2] = {&area.columns, &area.rows};
+    for (int k = 0; k < 2; k++)
+        *to[k] = (iso_rows){(int)iso_max(low[k], 0), (int)iso_min(high[k], size[k] - 1)};
+    return area;
 }
 
 bool iso_gl_is_curved(const iso_gl_discs_draw *d, const iso_point_block *block) {
@@ -305,8 +327,8 @@ static iso_status run_pass(const iso_gl_discs_draw *d, const iso_gl_tile *t, iso
     return status;
 }
 
-/* Finds the fronts of a tile; with selection those of visible points, first of those seen before, then of
- * those that these do not hide, from more blocks until the fronts hide all others. */
+/* Finds the fronts of a tile; with selection those of visible points, first of those that made them before,
+ * then of those that may change these, from more blocks until the fronts hide all others. */
 static iso_status make_fronts(const iso_gl_discs_draw *d, iso_gl_tile *t, iso_buffer *room,
                               iso_error *error) {
     for (size_t revealed = 1; revealed;) {
@@ -364,22 +386,28 @@ iso_status iso_gl_draw_discs(const iso_gl_surface *surface, const iso_view *view
                            .cull = surface->closed && !surface->blocks->around_eye,
                            .flat = style.flat,
                            .widened = style.widened,
-                           .number = number};
+                           .number = number,
+                           .before = style.before,
+                           .thickness = thickness_of(surface)};
     if (style.color) d.color = style.color->r | style.color->g << 8 | style.color->b << 16 | 1 << 24;
     const int side = engine->max_side, width = view->width < side ? view->width : side;
     int height = SAMPLES_MOST / width;
     if (height > side) height = side;
     if (height > view->height) height = view->height;
+    d.area = area ? *area : area_of(&d);
+    if (iso_area_is_empty(&d.area)) return ISO_OK;
     ISO_TRY(choose_selection(&d, style.selection, room, width, height, error));
     ISO_TRY(ensure_discs(&d, width, height, error));
-    const iso_rows columns = area ? area->columns : (iso_rows){0, view->width - 1},
-                   rows = area ? area->rows : (iso_rows){0, view->height - 1};
+    const iso_rows columns = d.area.columns, rows = d.area.rows;
     for (int y = rows.first; y <= rows.last; y += height)
         for (int x = columns.first; x <= columns.last; x += width) {
+            const bool first = x == columns.first && y == rows.first;
             iso_gl_tile t = {.x = x, .y = y, .width = width, .height = height};
             if (t.width > columns.last + 1 - x) t.width = columns.last + 1 - x;
             if (t.height > rows.last + 1 - y) t.height = rows.last + 1 - y;
-            t.whole = t.width == view->width && t.height == view->height && !view->above && !view->below;
+            t.first = first && !view->above;
+            t.whole =
+                t.first && !view->below && t.width == columns.last + 1 - x && t.height == rows.last + 1 - y;
             ISO_TRY(draw_tile(&d, &t, room, error));
             ISO_TRY(iso_gl_check(engine->context, error)); /* stop when the context is lost */
         }

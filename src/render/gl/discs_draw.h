@@ -4,6 +4,7 @@
 #define ISO_RENDER_GL_DISCS_DRAW_H
 
 #include "render/gl/surface.h"
+#include "render/selection/depth_pyramid.h"
 
 /* The drawing of one surface. */
 typedef struct iso_gl_discs_draw {
@@ -19,6 +20,9 @@ typedef struct iso_gl_discs_draw {
     bool select;  /* only visible points are drawn (render/gl/selection.h) */
     bool cells;   /* there may be dense blocks */
     int number;
+    iso_area area;                   /* the part of the view that is drawn into */
+    const iso_depth_pyramid *before; /* of the picture that is drawn over; NULL: not known */
+    double thickness;                /* the largest of a disc, mm */
     int color; /* of all samples: red, green and blue from the lowest byte on, and 1 << 24; 0: none */
 } iso_gl_discs_draw;
 
@@ -39,10 +43,10 @@ typedef struct iso_gl_tile_block {
     bool hidden; /* by the fronts */
 } iso_gl_tile_block;
 
-/* A part of the view; its first pixel is (x, y). */
+/* A part of what is drawn of the view; its first pixel is (x, y). */
 typedef struct iso_gl_tile {
     int x, y, width, height;
-    bool whole; /* the tile is the whole picture */
+    bool first, whole; /* it is the first one of the picture; the only one */
     iso_gl_tile_block *blocks;
     size_t block_count;
     int rounds; /* how often blocks have been tested against the fronts */

@@ -44,7 +44,7 @@ static void make_buffers(iso_gl_engine *engine, const GladGLContext *gl) {
     engine->max_storage = storage > 0 ? (size_t)storage : 0;
     GLint vertex_buffers = 0;
     gl->GetIntegerv(GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS, &vertex_buffers);
-    engine->vertex_storage = vertex_buffers >= 2;
+    engine->vertex_storage = vertex_buffers >= 3;
     engine->wide_atomics = iso_gl_has_wide_atomics(engine->context);
     engine->max_side = widest_part(gl, iso_gl_engine_margin(engine));
     gl->CreateBuffers(1, &engine->draw_uniforms);

@@ -26,7 +26,7 @@ static const float TESTED = 24;
 static const double FOCAL_LEAST = 64;
 
 /* After so many rounds all blocks of a tile are tested. The list of visible points is made anew for the sums
- * when more than one in MANY of the tested ones was drawn into the fronts after those seen before: the
+ * when more than one in MANY of the tested ones was drawn into the fronts after those of before: the
  * fronts then hide more than was known. */
 enum { ROUNDS = 4, MANY = 8 };
 
@@ -114,7 +114,7 @@ static iso_status scan_points(const iso_gl_discs_draw *d, size_t first, size_t e
                               iso_error *error) {
     const int of_surfels = d->surface->surfels ? ISO_GL_SELECT_SURFELS - ISO_GL_SELECT_DEPTHS : 0;
     ISO_TRY(use_program(d, (iso_gl_program)(program + of_surfels), error));
-    d->gl->BindFramebuffer(GL_FRAMEBUFFER, d->engine->discs.framebuffers[0]); /* draws need one */
+    d->gl->BindFramebuffer(GL_FRAMEBUFFER, d->engine->discs.framebuffers[1]); /* draws need one */
     d->gl->Enable(GL_RASTERIZER_DISCARD);
     if (!d->surface->has_radii) d->gl->VertexAttrib1f(ISO_GL_RADIUS, (GLfloat)d->surface->radius);
     iso_gl_surface_draw_range(d->surface, first, end - first);
@@ -131,7 +131,7 @@ static iso_status list_marked(const iso_gl_discs_draw *d, size_t first, size_t e
     ISO_TRY(use_program(d, ISO_GL_CHOOSE, error));
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_COMMANDS, d->engine->commands);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_MARKED, marks);
-    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_MARKED_BEFORE, before ? before : marks);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_MARKED_FRONTS, before ? before : marks);
     bind(d, ISO_GL_CHOSEN, ISO_GL_STORE_CHOSEN);
     bind(d, ISO_GL_ELEMENTS, ISO_GL_STORE_ELEMENTS);
     bind(d, ISO_GL_TOTAL, ISO_GL_STORE_TOTAL);
@@ -171,13 +171,15 @@ iso_status iso_gl_select_first(const iso_gl_discs_draw *d, const iso_gl_tile *t,
     prepare_lists(d, t);
     ISO_TRY(choose_by_cells(d, t, error));
     ISO_TRY(list_dense(d, t, error));
-    return list_marked(d, t->end[ISO_GL_DENSE], t->end[ISO_GL_TESTED], d->surface->seen->points[1], 0, error);
+    return list_marked(d, t->end[ISO_GL_DENSE], t->end[ISO_GL_TESTED], d->surface->seen->fronts[1], 0, error);
 }
 
-/* Marks the points that the fronts do not hide. */
+/* Marks the points that the fronts do not hide, and those that make fronts. */
 static iso_status mark_visible(const iso_gl_discs_draw *d, const iso_gl_tile *t, iso_error *error) {
-    d->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_MARKED, d->surface->seen->points[0]);
+    d->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, ISO_GL_MARKED_FRONTS, d->surface->seen->fronts[0]);
+    bind(d, ISO_GL_MARKED, ISO_GL_STORE_VISIBLE);
     bind(d, ISO_GL_DEEPEST, ISO_GL_STORE_DEEPEST);
+    d->gl->BindTextureUnit(ISO_GL_FRONTS, d->engine->discs.fronts);
     return scan_points(d, t->end[ISO_GL_DENSE], t->end[ISO_GL_TESTED], ISO_GL_SELECT_VISIBLE, error);
 }
 
@@ -186,7 +188,7 @@ iso_status iso_gl_select_revealed(const iso_gl_discs_draw *d, const iso_gl_tile 
     ISO_TRY(find_deepest(d, t, error));
     ISO_TRY(mark_visible(d, t, error));
     fill(d, ISO_GL_STORE_TOTAL, sizeof(uint32_t), 0);
-    return list_marked(d, t->end[ISO_GL_DENSE], t->end[ISO_GL_TESTED], seen->points[0], seen->points[1],
+    return list_marked(d, t->end[ISO_GL_DENSE], t->end[ISO_GL_TESTED], seen->fronts[0], seen->fronts[1],
                        error);
 }
 
@@ -194,10 +196,12 @@ iso_status iso_gl_select_last(const iso_gl_discs_draw *d, const iso_gl_tile *t, 
     prepare_lists(d, t);
     ISO_TRY(list_dense(d, t, error));
     if (t->stale && t->end[ISO_GL_TESTED] > t->end[ISO_GL_DENSE]) {
-        clear_marks(d, d->surface->seen->points[0]);
+        clear_marks(d, d->surface->seen->fronts[0]);
+        clear_marks(d, d->engine->storage[ISO_GL_STORE_VISIBLE]);
         ISO_TRY(mark_visible(d, t, error));
     }
-    return list_marked(d, t->end[ISO_GL_DENSE], t->end[ISO_GL_TESTED], d->surface->seen->points[0], 0, error);
+    return list_marked(d, t->end[ISO_GL_DENSE], t->end[ISO_GL_TESTED],
+                       d->engine->storage[ISO_GL_STORE_VISIBLE], 0, error);
 }
 
 /* The first and last square along an axis that a block can reach; none if first > last. */
@@ -211,12 +215,14 @@ static void squares_of(const int32_t pixels[2], double axis, double around, int 
 /* ---- whether it pays */
 
 /* Costs in the time of a fragment, 0.03 microseconds of one core: of a disc in one of the two passes beside
- * its fragments; of a test of a disc against the fronts; of a pixel of the picture, for squares and their
+ * its fragments; of the tests of a disc against the fronts; of a pixel of the picture, for squares and their
  * reading back. Measured with llvmpipe by tests/bench/gl_selection.c. */
-static const double DISC_COST = 16, TEST_COST = 3, PIXEL_COST = 1;
+static const double DISC_COST = 16, TEST_COST = 4.6, PIXEL_COST = 1;
 /* Pixels that a disc of radius 1 adds to what is covered: discs overlap 3.7 times, and a surface is seen at
  * an angle of 60 degrees on average. Share of the squares that blocks meet which is covered. */
 static const double AREA = 0.425, COVERED = 0.85;
+/* Discs for each pixel that is covered that are drawn into the fronts, where there was a frame before. */
+static const double FRONTS = 1.8;
 
 /* The blocks that a picture may show. */
 typedef struct block_sums {
@@ -263,39 +269,55 @@ iso_status iso_gl_selection_pays(const iso_gl_discs_draw *d, iso_buffer *room, b
     }
     const double covered = COVERED * ISO_GL_SQUARE * ISO_GL_SQUARE * sums.squares,
                  visible = fmin(1, covered / fmax(sums.area, 1)), test = TEST_COST * sums.points,
-                 pixels = PIXEL_COST * view->width * height;
-    /* Without a frame before, all discs are drawn into the fronts, and tested once more. */
+                 pixels = PIXEL_COST * (d->area.columns.last + 1 - d->area.columns.first) *
+                          (d->area.rows.last + 1 - d->area.rows.first);
+    /* Without a frame before, all discs are drawn into the fronts. */
     const bool known = d->surface->seen->count > 0;
-    const double all = 2 * sums.cost, selected = known ? test + pixels + 2 * visible * sums.cost
-                                                       : 2 * test + pixels + (1 + visible) * sums.cost;
-    *pays = selected < all;
+    const double fronts = known ? fmin(visible, FRONTS * covered / fmax(sums.points, 1)) : 1;
+    *pays = test + pixels + (fronts + visible) * sums.cost < 2 * sums.cost;
     return ISO_OK;
 }
 
 /* ---- blocks */
 
+/* Depths of a part of the view that begins at (x, y): the greatest of each square, which is `more` mm less
+ * than what hides. */
+typedef struct square_depths {
+    int x, y, width, height;
+    const float *greatest;
+    double more;
+} square_depths;
+
 /* Whether nothing that the block's points can change is visible. */
-static bool is_hidden(const iso_gl_discs_draw *d, const iso_gl_tile *t, const iso_gl_tile_block *b,
-                      const float *deepest) {
-    const iso_point_block *block = (const iso_point_block *)d->surface->blocks->blocks.data + b->number;
+static bool is_hidden(const iso_gl_discs_draw *d, const iso_point_block *block, bool dense,
+                      const square_depths *depths) {
     const iso_view *view = d->view;
     const double pixel =
         view->orthographic ? 1 / view->focal : (double)block->depth[1] / view->focal; /* mm */
     double radius = (double)iso_discs_largest_radius(block), around = radius * (double)d->slant + 2;
     if (block->clipped) return false;
-    if (b->kind == ISO_GL_DENSE) {
+    if (dense) {
         radius = (double)SMALL;
         around = SMALL_AROUND;
     }
-    const double front =
-        (double)block->depth[0] - 1.01 * pixel * (RADII_BEHIND * radius + (double)ISO_DISCS_LOW_PASS_DEPTH);
+    const double front = (double)block->depth[0] - depths->more -
+                         1.01 * pixel * (RADII_BEHIND * radius + (double)ISO_DISCS_LOW_PASS_DEPTH);
     int x[2], y[2];
-    squares_of(block->column, view->cx - t->x, around, t->width, x);
-    squares_of(block->row, view->cy - t->y, around, t->height, y);
+    squares_of(block->column, view->cx - depths->x, around, depths->width, x);
+    squares_of(block->row, view->cy - depths->y, around, depths->height, y);
     for (int v = y[0]; v <= y[1]; v++)
         for (int u = x[0]; u <= x[1]; u++)
-            if (!((double)deepest[v * squares(t->width) + u] < front)) return false;
+            if (!((double)depths->greatest[v * squares(depths->width) + u] < front)) return false;
     return true;
+}
+
+_Static_assert(ISO_GL_SQUARE == ISO_DEPTH_CELL, "squares are the lowest level of pyramids of depths");
+
+bool iso_gl_is_behind(const iso_gl_discs_draw *d, const iso_point_block *block) {
+    if (!d->before) return false;
+    const square_depths depths = {
+        0, 0, d->view->width, d->view->height, d->before->level[0], 1.001 * d->thickness};
+    return is_hidden(d, block, false, &depths);
 }
 
 /* The number of points that are tested one by one. */
@@ -316,11 +338,13 @@ iso_status iso_gl_find_hidden(const iso_gl_discs_draw *d, iso_gl_tile *t, iso_bu
     ISO_TRY(find_deepest(d, t, error));
     d->gl->GetNamedBufferSubData(d->engine->storage[ISO_GL_STORE_DEEPEST], 0, (GLsizeiptr)bytes, room->data);
     d->gl->GetNamedBufferSubData(d->engine->storage[ISO_GL_STORE_TOTAL], 0, sizeof drawn, &drawn);
+    const iso_point_block *blocks = d->surface->blocks->blocks.data;
+    const square_depths depths = {t->x, t->y, t->width, t->height, room->data, 0};
     t->stale |= drawn > count_tested(d, t) / MANY;
     *revealed = 0;
     for (size_t i = 0; i < t->block_count; i++) {
         iso_gl_tile_block *block = &t->blocks[i];
-        block->hidden = is_hidden(d, t, block, room->data);
+        block->hidden = is_hidden(d, &blocks[block->number], block->kind == ISO_GL_DENSE, &depths);
         *revealed += !block->hidden && !block->tested && !d->engine->keep_holes;
     }
     const bool all = ++t->rounds == ROUNDS;
@@ -344,20 +368,20 @@ iso_selection_counts iso_gl_engine_selection(const iso_gl_engine *engine) {
 static iso_status turn_marks(const iso_gl_discs_draw *d, iso_error *error) {
     iso_gl_seen *seen = d->surface->seen;
     const size_t points = d->surface->vertices.room;
-    const GLuint last = seen->points[0];
+    const GLuint last = seen->fronts[0];
     if (seen->room == points) {
-        seen->points[0] = seen->points[1];
-        seen->points[1] = last;
-        clear_marks(d, seen->points[0]);
+        seen->fronts[0] = seen->fronts[1];
+        seen->fronts[1] = last;
+        clear_marks(d, seen->fronts[0]);
         return ISO_OK;
     }
-    ISO_TRY(iso_gl_check_memory(d->engine, points * sizeof(uint32_t) + 3 * marks_bytes(points), error));
-    d->gl->DeleteBuffers(2, seen->points); /* 0 is ignored */
-    d->gl->CreateBuffers(2, seen->points);
+    ISO_TRY(iso_gl_check_memory(d->engine, points * sizeof(uint32_t) + 4 * marks_bytes(points), error));
+    d->gl->DeleteBuffers(2, seen->fronts); /* 0 is ignored */
+    d->gl->CreateBuffers(2, seen->fronts);
     for (int i = 0; i < 2; i++) {
-        d->gl->NamedBufferStorage(seen->points[i], (GLsizeiptr)marks_bytes(points), NULL,
+        d->gl->NamedBufferStorage(seen->fronts[i], (GLsizeiptr)marks_bytes(points), NULL,
                                   GL_DYNAMIC_STORAGE_BIT);
-        clear_marks(d, seen->points[i]);
+        clear_marks(d, seen->fronts[i]);
     }
     seen->room = points;
     return ISO_OK;
@@ -365,6 +389,7 @@ static iso_status turn_marks(const iso_gl_discs_draw *d, iso_error *error) {
 
 iso_status iso_gl_selection_begin(const iso_gl_discs_draw *d, iso_gl_tile *t, iso_error *error) {
     if (d->select) ISO_TRY(turn_marks(d, error));
+    if (d->select) fill(d, ISO_GL_STORE_VISIBLE, marks_bytes(d->surface->vertices.room), 0);
     t->grows = true;
     const iso_gl_seen *seen = d->surface->seen;
     const uint8_t *flags = seen->flags.data;
@@ -382,8 +407,7 @@ static void count_points(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
     const iso_point_block *blocks = d->surface->blocks->blocks.data;
     iso_selection_counts *counts = &d->engine->selection;
     uint32_t chosen;
-    for (size_t i = 0; i < d->surface->blocks->count && !t->x && !t->y && !d->view->above; i++)
-        counts->points += blocks[i].count;
+    for (size_t i = 0; i < d->surface->blocks->count && t->first; i++) counts->points += blocks[i].count;
     for (size_t i = 0; i < t->block_count; i++)
         if (t->blocks[i].tested) counts->tested += blocks[t->blocks[i].number].count;
     for (size_t i = t->end[ISO_GL_TESTED]; i < t->draws; i++) counts->drawn += t->commands[i].count;

@@ -3,17 +3,20 @@
  *
  * The paper's passes for a frame, and what takes their place here:
  *
- * 1. Visibility splatting of the points seen in the frame before: the same. 2. All points are drawn as
- * pixels with their numbers, and the numbers are read back. Here: a vertex shader tests the discs of all
- * blocks seen in the frame before against the deepest fronts of the squares of pixels that they reach, and
- * marks those that are not hidden; a compute shader lists these for an indirect draw. So every disc is
- * drawn that changes a pixel. With ISO_SELECTION_VISIBLE small flat discs are chosen instead, without
- * fronts: one minimum of depths for each of the four quarters of a pixel, and one for the discs that cover
- * the pixel's centre; the points with these depths are visible. So there are up to six points a pixel, and
- * every pixel that some disc covers stays covered. 3. Visibility splatting of points that have become
- * visible: those marked by pass 2 that were not seen in the frame before. Then blocks that the fronts do
- * not hide and that were not seen in the frame before are added in the same way, until there are none. 4.,
- * 5. The sums of the discs that are not hidden, and their division (discs.c).
+ * 1. Visibility splatting of the points seen in the frame before. Here: of those whose discs made the
+ * front of some pixel in it, which are few of those seen where points are dense. 2. All points are drawn
+ * as pixels with their numbers, and the numbers are read back. Here: a vertex shader tests the discs of
+ * all blocks seen in the frame before against the deepest fronts of the squares of pixels that they reach,
+ * and marks those that are not hidden; a compute shader lists these for an indirect draw. So every disc is
+ * drawn that changes a pixel. It also marks discs that may make a front: small flat ones that are hit no
+ * farther than the front of some pixel, and all others. With ISO_SELECTION_VISIBLE small flat discs are
+ * chosen instead, without fronts: one minimum of depths for each of the four quarters of a pixel, and one
+ * for the discs that cover the pixel's centre; the points with these depths are visible. So there are up
+ * to six points a pixel, and every pixel that some disc covers stays covered. 3. Visibility splatting of
+ * points that have become visible: those that may make a front by pass 2 and did not in the frame before.
+ * Then blocks that the fronts do not hide and that were not seen in the frame before are added in the same
+ * way, until there are none. 4., 5. The sums of the discs that are not hidden, and their division
+ * (discs.c).
  *
  * Several surfaces in one picture are drawn one after the other, each with marks of its own frame before
  * and its own placement in this frame, so that they may move. What the samples of those drawn before hide
@@ -43,17 +46,22 @@ iso_status iso_gl_selection_pays(const iso_gl_discs_draw *draw, iso_buffer *room
 /* How points of a block are selected, if its discs are not wider than the driver's points. */
 iso_gl_block_kind iso_gl_block_kind_of(const iso_gl_discs_draw *draw, const iso_point_block *block);
 
-/* Sets which blocks of a tile, and which of their points, are drawn first: those seen in the frame before, if
- * there was one. ISO_ERR_LIMIT. */
+/* Whether the picture that is drawn over (draw->before) hides everything that the block's points could
+ * change. */
+bool iso_gl_is_behind(const iso_gl_discs_draw *draw, const iso_point_block *block);
+
+/* Sets which blocks of a tile, and which of their points, are drawn first: those seen in the frame
+ * before, and those that made its fronts, if there was one. ISO_ERR_LIMIT. */
 iso_status iso_gl_selection_begin(const iso_gl_discs_draw *draw, iso_gl_tile *tile, iso_error *error);
 
 /* The passes for the dense and tested blocks that have draw commands, which must have been uploaded. Each
  * makes commands that draw a list of points (iso_gl_surface_draw_chosen). The tile's uniforms must be bound.
  * ISO_ERR_BACKEND.
  *
- * select_first: the chosen points of dense blocks, and the points of tested blocks seen in the frame before.
- * select_revealed, when these are in the fronts: the points of tested blocks that the fronts do not hide and
- * that were not seen before. select_last, when these are in the fronts, too: all chosen and visible ones. */
+ * select_first: the chosen points of dense blocks, and the points of tested blocks that made fronts in
+ * the frame before. select_revealed, when these are in the fronts: the points of tested blocks that may
+ * change the fronts and did not make them before. select_last, when these are in the fronts, too: all
+ * chosen and visible ones. */
 iso_status iso_gl_select_first(const iso_gl_discs_draw *draw, const iso_gl_tile *tile, iso_error *error);
 iso_status iso_gl_select_revealed(const iso_gl_discs_draw *draw, const iso_gl_tile *tile, iso_error *error);
 iso_status iso_gl_select_last(const iso_gl_discs_draw *draw, const iso_gl_tile *tile, iso_error *error);

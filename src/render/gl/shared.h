@@ -68,7 +68,7 @@
 #define ISO_GL_ELEMENTS 5
 #define ISO_GL_TOTAL 6
 #define ISO_GL_DEEPEST 7
-#define ISO_GL_MARKED_BEFORE 1 /* a bit for each point: it was marked in the frame before */
+#define ISO_GL_MARKED_FRONTS 1 /* a bit for each point: it makes fronts, or did in the frame before */
 #define ISO_GL_PICTURE 0       /* uint: planes of a gbuffer: depth, normal x, y, z, surface, colours */
 #define ISO_GL_PICTURE_PLANES 5
 #define ISO_GL_STORAGE_SLOTS 8
@@ -199,10 +199,10 @@ uint ordered(float depth) {
     ISO_GL_INT_ROWS(levels, ISO_GL_LEVELS); /* width, height, first pixel in the buffers */
 
 /* std140. Drawing one surface by the method discs in a tile of the picture.
- *
- * `sizes`: 1 / focal (orthographic: 0); most voxels per mm; the largest spacing in mm when voxels are not
- * cubes, else 0; the largest thickness of a disc, mm. `screen`: width and height of the viewport; its margin
- * around the tile; the widest point that the driver draws, in pixels. */
+ * `step_x`: its last is what radii are multiplied by. `sizes`: 1 / focal (orthographic: 0); most voxels per
+ * mm; the largest spacing in mm when voxels are not cubes, else 0; the largest thickness of a disc, mm.
+ * `screen`: width and height of the viewport; its margin around the tile; the widest point that the driver
+ * draws, in pixels. */
 #define ISO_GL_DISCS_FIELDS                                                                                  \
     ISO_GL_FLOATS(step_x); /* rows of the transform from steps to view space, without translation */         \
     ISO_GL_FLOATS(step_y);                                                                                   \

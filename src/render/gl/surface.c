@@ -259,7 +259,7 @@ static double largest_radius(const iso_point_view *points, const iso_point_span 
     if (!points->radii) return points->radius > 0 ? points->radius : 0;
     double radius = 0;
     for (size_t i = span->first; i < span->first + span->count; i++) radius = fmax(radius, points->radii[i]);
-    return radius;
+    return radius * (double)iso_point_view_radii_scale(points);
 }
 
 /* Box of all positions that packed points of a brick can have, index coordinates. */
@@ -349,6 +349,33 @@ static iso_status measure_blocks(iso_gl_surface *surface, const iso_point_view *
     return ISO_OK;
 }
 
+/* After a failure: the next update uploads everything. */
+static void invalidate_spans(iso_gl_surface *surface) {
+    surface->span_count = 0;
+    if (surface->blocks) surface->blocks->count = 0;
+}
+
+static iso_status describe_spans(iso_gl_surface *surface, const iso_point_view *points, iso_error *error) {
+    ISO_TRY(ensure_spans(surface, points->span_count, error));
+    describe_points(surface, points);
+    return measure_blocks(surface, points, error);
+}
+
+static void describe_surface(iso_gl_surface *surface, const iso_point_view *points) {
+    surface->transform = points->transform;
+    surface->radius = points->radius;
+    surface->radii_scale = points->radii ? iso_point_view_radii_scale(points) : 1;
+    surface->closed = points->closed;
+    memcpy(surface->dims, points->dims, sizeof surface->dims);
+}
+
+iso_status iso_gl_surface_place(iso_gl_surface *surface, const iso_point_view *points, iso_error *error) {
+    describe_surface(surface, points);
+    const iso_status status = describe_spans(surface, points, error);
+    if (status != ISO_OK) invalidate_spans(surface);
+    return status;
+}
+
 /* ---- from views to the GPU */
 
 iso_status iso_gl_check_memory(const iso_gl_engine *engine, uint64_t bytes, iso_error *error) {
@@ -380,10 +407,7 @@ static iso_status send_points(iso_gl_surface *surface, const iso_point_view *poi
                                 (points->colors ? growth(&surface->colors, end, colors.item) : 0) +
                                 (points->curvatures ? growth(&surface->curvatures, end, curvatures.item) : 0),
                             error));
-    ISO_TRY(ensure_spans(surface, points->span_count, error));
-    surface->closed = points->closed;
-    describe_points(surface, points);
-    ISO_TRY(measure_blocks(surface, points, error));
+    ISO_TRY(describe_spans(surface, points, error));
     ensure_capacity(gl, &vertices, end);
     upload_changed(surface, &vertices, points, points_of);
     if (points->radii) {
@@ -425,20 +449,12 @@ static iso_status send_mesh(iso_gl_surface *surface, const iso_mesh_view *mesh, 
     return ISO_OK;
 }
 
-/* After a failure: the next update uploads everything. */
-static void invalidate_spans(iso_gl_surface *surface) {
-    surface->span_count = 0;
-    if (surface->blocks) surface->blocks->count = 0;
-}
-
 iso_status iso_gl_update_points(iso_gl_surface *surface, const iso_point_view *points, iso_error *error) {
     assert(!surface->mesh && surface->has_radii == (points->radii != NULL) &&
            surface->has_colors == (points->colors != NULL) &&
            surface->has_curvatures == (points->curvatures != NULL));
     ISO_TRY(iso_gl_enter(surface->engine->context, error));
-    surface->transform = points->transform;
-    surface->radius = points->radius;
-    memcpy(surface->dims, points->dims, sizeof surface->dims);
+    describe_surface(surface, points);
     surface->uploaded = 0;
     iso_status status = send_points(surface, points, error);
     if (status == ISO_OK) make_vertex_arrays(surface);
@@ -536,7 +552,7 @@ void iso_gl_surface_destroy(iso_gl_surface *surface) {
     if (!surface) return;
     iso_gl_context *context = surface->engine->context;
     if (iso_gl_enter(context, NULL) == ISO_OK) {
-        if (surface->seen) context->gl->DeleteBuffers(2, surface->seen->points);
+        if (surface->seen) context->gl->DeleteBuffers(2, surface->seen->fronts);
         const GLuint buffers[] = {surface->vertices.name, surface->radii.name, surface->colors.name,
                                   surface->curvatures.name, surface->indices.name};
         const GLuint arrays[] = {surface->array, surface->quad_array};

@@ -53,10 +53,11 @@ typedef struct iso_gl_mesh_command {
 
 /* Which blocks of points, and which of their points, the last picture showed (selection.h). */
 typedef struct iso_gl_seen {
-    iso_buffer flags;   /* uint8_t, one a block */
-    size_t count;       /* of blocks; 0: not known */
-    unsigned points[2]; /* buffers of a bit for each point: of this picture, and of the one before */
-    size_t room;        /* points that they have bits for */
+    iso_buffer flags; /* uint8_t, one a block */
+    size_t count;     /* of blocks; 0: not known */
+    /* Buffers of a bit for each point, 1: its disc made fronts; of this picture, and of the one before. */
+    unsigned fronts[2];
+    size_t room; /* points that they have bits for */
 } iso_gl_seen;
 
 struct iso_gl_surface {
@@ -69,6 +70,7 @@ struct iso_gl_surface {
     iso_gl_seen *seen;        /* of points. Owned */
     iso_point_blocks *blocks; /* of points; a block's `first` counts from its span's first point. Owned */
     double radius;            /* mm, of all points when there are no radii */
+    float radii_scale;        /* what radii of the points' own are multiplied by as discs */
     int32_t dims[3];          /* voxels of the grid that the points come from; 0: not known */
     uint64_t uploaded;        /* bytes, by the last update */
     iso_triangle_strips strips;
@@ -103,12 +105,13 @@ typedef enum iso_gl_storage {
     ISO_GL_STORE_HITS,
     ISO_GL_STORE_CELLS, /* of the selection of points, as the next ones */
     ISO_GL_STORE_MARKED,
+    ISO_GL_STORE_VISIBLE, /* a bit for each point of blocks that are tested: the fronts do not hide it */
     ISO_GL_STORE_CHOSEN,
     ISO_GL_STORE_ELEMENTS,
     ISO_GL_STORE_TOTAL,
     ISO_GL_STORE_DEEPEST
 } iso_gl_storage;
-enum { ISO_GL_STORES = 28 };
+enum { ISO_GL_STORES = 29 };
 
 /* Render targets of the method discs: nearest depths and sums. At least as large as a tile. */
 typedef struct iso_gl_disc_targets {
@@ -174,6 +177,10 @@ static inline int iso_gl_engine_margin(const iso_gl_engine *engine) {
 /* ISO_ERR_LIMIT when a copy of so many bytes does not fit into free memory: software renderers keep
  * buffers in main memory and are killed when it runs out. */
 iso_status iso_gl_check_memory(const iso_gl_engine *engine, uint64_t bytes, iso_error *error);
+
+/* Makes a surface of points an instance of those that were uploaded, which must be the same arrays: of other
+ * spans of them, with another transform and other sizes. Nothing is uploaded. ISO_ERR_NOMEM. */
+iso_status iso_gl_surface_place(iso_gl_surface *surface, const iso_point_view *points, iso_error *error);
 
 /* Uploads the commands (iso_gl_points_command or iso_gl_mesh_command) and per-instance data
  * (iso_gl_instance, or three int32_t with a mesh's brick) of a multi-draw; they stay until the next call. */

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/discs/discs_numbers.h"
+
 /* Discs reach at most this many radii of their points beyond the points (ISO_DISCS_BALL + _MORE, 1.415),
  * and depths are rounded. */
 static const double DISC_REACH = 1.45;
@@ -83,6 +85,21 @@ static double reach_of(const iso_instances *all, const iso_instance *instance, c
     return DISC_REACH * radius * scale;
 }
 
+/* The pixels that an instance can cover, and the least depth that it can have there: hits of discs that are
+ * wider by a filter can lie LOW_PASS_DEPTH pixels before their centres, and what is averaged with a front the
+ * thickness of a disc before it. */
+static iso_area area_of(const iso_instances *all, const iso_instance *instance, const set_levels *levels,
+                        const iso_view *view) {
+    const iso_projector projector = iso_projector_make(view, &instance->transform);
+    const double reach = reach_of(all, instance, levels, &projector);
+    iso_area area = iso_projector_area(&projector, &all->sets[instance->set].box, reach);
+    const double pixel = 1 / iso_projector_scale(&projector, iso_max(area.nearest, 0));
+    area.nearest -= (double)ISO_DISCS_THICKNESS * reach;
+    if (all->reconstruction == ISO_RECONSTRUCTION_EWA)
+        area.nearest -= 1.01 * pixel * (double)ISO_DISCS_LOW_PASS_DEPTH;
+    return area;
+}
+
 /* Lists the instances that are in the picture, sorted. */
 static iso_status sort_instances(iso_instance_drawing *drawing, const iso_view *view,
                                  const iso_instances *all, size_t *count, iso_error *error) {
@@ -94,19 +111,16 @@ static iso_status sort_instances(iso_instance_drawing *drawing, const iso_view *
     for (size_t i = 0; i < all->set_count; i++) levels[i] = survey_levels(&all->sets[i]);
     for (size_t i = 0; i < all->count; i++) {
         const iso_instance *instance = &all->instances[i];
-        const iso_instanced *set = &all->sets[instance->set];
-        const iso_projector projector = iso_projector_make(view, &instance->transform);
-        const iso_area area = iso_projector_area(&projector, &set->box,
-                                                 reach_of(all, instance, &levels[instance->set], &projector));
+        const iso_area area = area_of(all, instance, &levels[instance->set], view);
         if (!iso_area_is_empty(&area)) order[(*count)++] = (placed){area.nearest, (uint32_t)i, area};
     }
     qsort(order, *count, sizeof *order, compare_depths);
     return ISO_OK;
 }
 
-/* Draws an instance; adds to *points how many points that were. */
+/* Draws an instance; adds to *points how many points that were. `looks`: what is hidden is left out. */
 static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target *target,
-                                const iso_instances *all, const placed *at, size_t *points,
+                                const iso_instances *all, const placed *at, bool looks, size_t *points,
                                 iso_error *error) {
     const size_t number = at->number;
     const iso_instance *instance = &all->instances[number];
@@ -126,10 +140,44 @@ static iso_status draw_instance(iso_instance_drawing *drawing, const iso_target 
     for (int k = 0; k < drawing->cut.levels; k++) {
         if (!drawing->cut.view[k].span_count) continue;
         *points += drawing->cut.points[k];
-        ISO_TRY(all->engine ? all->engine->draw(all->engine->context, &drawing->cut.view[k], opts.color,
-                                                &at->area, error)
-                            : iso_draw_point_surface(&alone, &drawing->cut.view[k], &opts, error));
+        if (!all->engine) {
+            ISO_TRY(iso_draw_point_surface(&alone, &drawing->cut.view[k], &opts, error));
+            continue;
+        }
+        const iso_instance_part part = {
+            drawing->cut.view[k], instance->set, k, opts.color, at->area, looks ? &drawing->pyramid : NULL};
+        ISO_TRY(all->engine->draw(all->engine->context, &part, error));
     }
+    return ISO_OK;
+}
+
+/* What has been drawn since the pyramid of depths was last brought up to date. */
+typedef struct recent {
+    iso_area area; /* around all of it */
+    size_t points;
+} recent;
+
+static void add_recent(recent *since, const iso_area *area, size_t points) {
+    iso_rows *const to[] = {&since->area.columns, &since->area.rows};
+    const iso_rows from[] = {area->columns, area->rows};
+    for (int axis = 0; axis < 2; axis++) {
+        if (!since->points || from[axis].first < to[axis]->first) to[axis]->first = from[axis].first;
+        if (!since->points || from[axis].last > to[axis]->last) to[axis]->last = from[axis].last;
+    }
+    since->points += points;
+}
+
+/* Whether nothing in the area can be seen, by the pyramid of depths, which is brought up to date when it
+ * shows too little to hide the area and enough has been drawn since. */
+static iso_status find_hidden(iso_instance_drawing *drawing, const iso_gbuffer *gbuffer,
+                              const iso_instance_engine *engine, const iso_area *area, recent *since,
+                              bool *hidden, iso_error *error) {
+    *hidden = iso_depth_pyramid_hides(&drawing->pyramid, area);
+    if (*hidden || since->points <= (engine ? engine->points_between : 0)) return ISO_OK;
+    if (engine) ISO_TRY(engine->read_depths(engine->context, since->area.rows, error));
+    iso_depth_pyramid_update(&drawing->pyramid, gbuffer, &since->area);
+    since->points = 0;
+    *hidden = iso_depth_pyramid_hides(&drawing->pyramid, area);
     return ISO_OK;
 }
 
@@ -139,24 +187,29 @@ static void note_state(const iso_instances *all, size_t number, iso_instance_sta
 
 iso_status iso_draw_instances(iso_instance_drawing *drawing, const iso_target *target,
                               const iso_instances *all, iso_instance_counts *counts, iso_error *error) {
+    const bool looks = !all->draw_hidden;
     iso_instance_counts n = {0};
+    recent since = {.points = 0};
     size_t count;
     if (!drawing->workspace) ISO_TRY(iso_point_workspace_create(&drawing->workspace, error));
     ISO_TRY(sort_instances(drawing, target->view, all, &count, error));
-    const bool looks = !all->draw_hidden && !all->engine;
     if (looks) ISO_TRY(iso_depth_pyramid_make(&drawing->pyramid, target->gbuffer, error));
     const placed *order = drawing->order.data;
     n.outside = all->count - count;
     for (size_t i = 0; i < count; i++) {
-        if (looks && iso_depth_pyramid_hides(&drawing->pyramid, &order[i].area)) {
+        const iso_area *area = &order[i].area;
+        const size_t before = n.points;
+        bool hidden = false;
+        if (looks) ISO_TRY(find_hidden(drawing, target->gbuffer, all->engine, area, &since, &hidden, error));
+        if (hidden) {
             n.hidden++;
             note_state(all, order[i].number, ISO_INSTANCE_HIDDEN);
             continue;
         }
-        ISO_TRY(draw_instance(drawing, target, all, &order[i], &n.points, error));
+        ISO_TRY(draw_instance(drawing, target, all, &order[i], looks, &n.points, error));
         note_state(all, order[i].number, ISO_INSTANCE_DRAWN);
         n.drawn++;
-        if (looks) iso_depth_pyramid_update(&drawing->pyramid, target->gbuffer, &order[i].area);
+        add_recent(&since, area, n.points - before);
     }
     if (counts) *counts = n;
     return ISO_OK;

@@ -30,11 +30,22 @@ typedef enum iso_instance_state {
     ISO_INSTANCE_DRAWN
 } iso_instance_state;
 
-/* Draws the points of an instance by another engine than the cpu. `color`: instead of the points'; or NULL.
- * `area`: the part of the picture that they can cover. */
+/* Points of an instance that are drawn at once. All borrowed. */
+typedef struct iso_instance_part {
+    iso_point_view points; /* those of one level of detail that the picture needs */
+    uint32_t set;
+    int level;
+    const iso_rgb *color;            /* instead of the points'; NULL: none */
+    iso_area area;                   /* the part of the picture that they can cover */
+    const iso_depth_pyramid *fronts; /* of what has been drawn; NULL: nobody looks for what is hidden */
+} iso_instance_part;
+
+/* Another engine than the cpu. It need not keep the gbuffer up to date, only bring its depths in some rows up
+ * to date when it is asked to, which it says is worth while after so many points have been drawn. */
 typedef struct iso_instance_engine {
-    iso_status (*draw)(void *context, const iso_point_view *points, const iso_rgb *color,
-                       const iso_area *area, iso_error *error);
+    iso_status (*draw)(void *context, const iso_instance_part *part, iso_error *error);
+    iso_status (*read_depths)(void *context, iso_rows rows, iso_error *error);
+    size_t points_between;
     void *context;
 } iso_instance_engine;
 
@@ -50,8 +61,7 @@ typedef struct iso_instances {
     /* One iso_instance_state of each instance, which is raised to what became of it in this call: of the
      * strips of a picture the greatest is kept. NULL: not wanted. */
     uint8_t *states;
-    /* NULL: the cpu. Another engine does not use the gbuffer, and nobody looks for hidden instances. */
-    const iso_instance_engine *engine;
+    const iso_instance_engine *engine; /* NULL: the cpu */
 } iso_instances;
 
 /* Working memory, kept from one picture to the next. Zero-initialise; free with

@@ -2,8 +2,7 @@
 #include <string.h>
 
 #include "base/placement.h"
-#include "render/selection/instances.h"
-#include "scene_support.h"
+#include "forest_support.h"
 
 /* ---- the pyramid of depths */
 
@@ -209,87 +208,9 @@ static void counts_tell_what_is_hidden(void **state) {
 
 /* ---- instances */
 
-enum { SETS = 2, MOST = 400, WIDTH = 120, HEIGHT = 90 };
+enum { WIDTH = 120, HEIGHT = 90 };
 
-/* A forest: copies of two scenes, turned about the vertical and of different sizes. */
-typedef struct forest {
-    test_scene scenes[SETS];
-    iso_lod lods[SETS];
-    iso_instanced sets[SETS];
-    iso_instance instances[MOST];
-    iso_instances all;
-} forest;
-
-static void make_lods(forest *f) {
-    iso_error error = {0};
-    for (int s = 0; s < SETS; s++) {
-        const iso_point_view *points = &f->scenes[s].points;
-        test_ok(iso_lod_update(&f->lods[s], points, NULL, &error), &error);
-        f->sets[s] = (iso_instanced){&f->lods[s], iso_point_view_bounds(points), points->radius};
-    }
-}
-
-/* Places an instance at (x, y), turned by an angle of which the cosine and sine are given. */
-static iso_transform place(const iso_transform *own, double x, double y, double size, const double turn[2]) {
-    iso_transform t = *own;
-    const double direction[9] = {turn[0], -turn[1], 0, turn[1], turn[0], 0, 0, 0, 1};
-    memcpy(t.direction, direction, sizeof direction);
-    for (int axis = 0; axis < 3; axis++) t.spacing[axis] *= size;
-    t.origin[0] = x;
-    t.origin[1] = y;
-    t.origin[2] = 0;
-    return t;
-}
-
-static forest *make_forest(size_t count) {
-    static const char *const names[SETS] = {"head", "sphere"};
-    forest *f = calloc(1, sizeof *f);
-    uint32_t seed = 17;
-    assert_non_null(f);
-    for (int s = 0; s < SETS; s++) {
-        f->scenes[s] = test_scene_make(names[s], 24, NULL, true);
-        f->scenes[s].points.curvatures = NULL;
-    }
-    make_lods(f);
-    for (size_t i = 0; i < count; i++) {
-        const double angle = 6.28 * uniform(&seed), turn[2] = {cos(angle), sin(angle)};
-        const uint32_t set = i % 3 == 0;
-        const iso_transform *own = &f->scenes[set].points.transform;
-        const double side = own->spacing[0] * 24;
-        f->instances[i] = (iso_instance){set, place(own, side * 9 * (uniform(&seed) - 0.5),
-                                                    side * 20 * uniform(&seed), 0.6 + uniform(&seed), turn)};
-        const double scale = 24 * own->spacing[0] / (24 * f->scenes[0].points.transform.spacing[0]);
-        for (int axis = 0; axis < 3; axis++) f->instances[i].transform.spacing[axis] /= scale;
-    }
-    f->all = (iso_instances){.sets = f->sets, .instances = f->instances, .set_count = SETS, .count = count};
-    return f;
-}
-
-static void free_forest(forest *f) {
-    for (int s = 0; s < SETS; s++) {
-        iso_lod_free(&f->lods[s]);
-        test_scene_free(&f->scenes[s]);
-    }
-    free(f);
-}
-
-/* The size of the trees. */
-static double side_of(const forest *f) {
-    return f->scenes[0].points.transform.spacing[0] * 24;
-}
-
-/* A view from the edge of the forest, of frame `number` of a walk through it; every 20th frame looks back. */
-static iso_view view_of_walk(const forest *f, int number) {
-    const double side = side_of(f), way = number % 40 < 20 ? 1 : -1;
-    const double from = number * 0.05 * side - 3 * side;
-    iso_camera camera = {.view_up = {0, 0, 1}, .view_angle = 50, .orthographic = number % 7 == 6};
-    camera.position = iso_vec3_make(side * 0.3 * (number % 5), from, 0.7 * side);
-    camera.focal_point = iso_vec3_make(0, from + way * side, 0.65 * side);
-    camera.parallel_scale = 3 * side;
-    return iso_view_make(&camera, WIDTH, HEIGHT);
-}
-
-static iso_gbuffer draw_forest(iso_instance_drawing *drawing, const forest *f, const iso_view *view,
+static iso_gbuffer draw_forest(iso_instance_drawing *drawing, const test_forest *f, const iso_view *view,
                                bool hidden, iso_instance_counts *counts) {
     iso_error error = {0};
     iso_instances all = f->all;
@@ -303,10 +224,14 @@ static iso_gbuffer draw_forest(iso_instance_drawing *drawing, const forest *f, c
 
 static void hidden_instances_are_not_missed(void **state) {
     (void)state;
-    forest *f = make_forest(MOST);
+    test_forest *f = test_forest_make(TEST_FOREST_MOST);
     size_t hidden = 0, drawn = 0;
     for (int frame = 0; frame < 60; frame += 3) {
-        const iso_view view = view_of_walk(f, frame);
+        const iso_view view = test_forest_view(f, frame, WIDTH, HEIGHT);
+        static const iso_reconstruction by[] = {ISO_RECONSTRUCTION_CURVED, ISO_RECONSTRUCTION_FLAT,
+                                                ISO_RECONSTRUCTION_EWA, ISO_RECONSTRUCTION_ONEPASS,
+                                                ISO_RECONSTRUCTION_MEAN};
+        f->all.reconstruction = by[frame / 3 % 5];
         f->all.lod_pixels = frame % 2 * (1 + frame % 5); /* up to discs of many pixels */
         iso_instance_drawing drawing = {0};
         iso_instance_counts few, all;
@@ -328,36 +253,63 @@ static void hidden_instances_are_not_missed(void **state) {
         iso_instance_drawing_free(&drawing);
     }
     if (2 * hidden < drawn) fail_msg("%zu hidden, %zu drawn", hidden, drawn);
-    free_forest(f);
+    test_forest_free(f);
+}
+
+/* Filtered discs are hit before their points, and what is averaged with a front may lie before it. */
+static void discs_reach_before_their_points(void **state) {
+    (void)state;
+    static const iso_reconstruction by[] = {ISO_RECONSTRUCTION_CURVED, ISO_RECONSTRUCTION_FLAT,
+                                            ISO_RECONSTRUCTION_EWA, ISO_RECONSTRUCTION_ONEPASS,
+                                            ISO_RECONSTRUCTION_MEAN};
+    static test_wall wall;
+    size_t hidden = 0;
+    for (int k = 0; k < 5 * 20; k++) {
+        const iso_view view = test_wall_view(40, 40, k % 2);
+        iso_instance_drawing drawing = {0};
+        iso_instance_counts few, all;
+        test_wall_make(&wall, 0.01 + 0.2 * (k / 10));
+        test_forest f = {.all = wall.all};
+        f.all.reconstruction = by[k / 2 % 5];
+        iso_gbuffer a = draw_forest(&drawing, &f, &view, false, &few),
+                    b = draw_forest(&drawing, &f, &view, true, &all);
+        test_same_rows(&a, 0, &b);
+        hidden += few.hidden;
+        iso_gbuffer_free(&a);
+        iso_gbuffer_free(&b);
+        iso_instance_drawing_free(&drawing);
+    }
+    assert_true(hidden > 20);
 }
 
 /* Makes the points of a set others: every picture after it is one of the new points. */
-static void edit_points(forest *f, int frame) {
-    iso_point *points = (iso_point *)f->scenes[frame % SETS].points.packed;
-    const iso_point_view *view = &f->scenes[frame % SETS].points;
+static void edit_points(test_forest *f, int frame) {
+    iso_point *points = (iso_point *)f->scenes[frame % TEST_FOREST_SETS].points.packed;
+    const iso_point_view *view = &f->scenes[frame % TEST_FOREST_SETS].points;
     for (size_t s = (size_t)frame % 7; s < view->span_count; s += 7)
         for (size_t i = view->spans[s].first; i < view->spans[s].first + view->spans[s].count; i++) {
             iso_surfel p = iso_point_unpack(points[i]);
             p.position[frame % 3] += frame % 2 ? 0.4f : -0.4f;
             points[i] = iso_point_pack(&p);
         }
-    make_lods(f);
+    test_forest_make_lods(f);
 }
 
 /* No picture depends on those drawn before: in a walk with jumps by 180 degrees and edits every frame is the
  * same as one drawn by itself. */
 static void pictures_do_not_depend_on_earlier_ones(void **state) {
     (void)state;
-    forest *f = make_forest(60);
+    test_forest *f = test_forest_make(60);
     iso_instance_drawing drawing = {0};
     f->all.lod_pixels = 1;
     for (int frame = 0; frame < 200; frame++) {
         if (frame % 9 == 8) {
-            for (int s = 0; s < SETS; s++) /* boxes that points leave are told nothing of the edit */
+            for (int s = 0; s < TEST_FOREST_SETS;
+                 s++) /* boxes that points leave are told nothing of the edit */
                 f->scenes[s].points.bounds = NULL;
             edit_points(f, frame);
         }
-        const iso_view view = view_of_walk(f, frame);
+        const iso_view view = test_forest_view(f, frame, WIDTH, HEIGHT);
         iso_instance_drawing fresh = {0};
         iso_instance_counts counts;
         iso_gbuffer a = draw_forest(&drawing, f, &view, false, &counts),
@@ -368,20 +320,21 @@ static void pictures_do_not_depend_on_earlier_ones(void **state) {
         iso_instance_drawing_free(&fresh);
     }
     iso_instance_drawing_free(&drawing);
-    free_forest(f);
+    test_forest_free(f);
 }
 
 /* Instances around the eye and behind it, and none at all. */
 static void eye_among_instances(void **state) {
     (void)state;
-    forest *f = make_forest(40);
+    test_forest *f = test_forest_make(40);
     iso_instance_drawing drawing = {0};
     iso_instance_counts few, all;
     for (int i = 0; i < 40; i += 5) {
         const iso_transform *t = &f->instances[i].transform;
         iso_camera camera = {.view_up = {0, 0, 1}, .view_angle = 100};
-        camera.position = iso_vec3_make(t->origin[0], t->origin[1], 0.4 * side_of(f));
-        camera.focal_point = iso_vec3_make(t->origin[0] + 1, t->origin[1] + i - 20, 0.4 * side_of(f));
+        camera.position = iso_vec3_make(t->origin[0], t->origin[1], 0.4 * test_forest_side(f));
+        camera.focal_point =
+            iso_vec3_make(t->origin[0] + 1, t->origin[1] + i - 20, 0.4 * test_forest_side(f));
         const iso_view view = iso_view_make(&camera, WIDTH, HEIGHT);
         iso_gbuffer a = draw_forest(&drawing, f, &view, false, &few),
                     b = draw_forest(&drawing, f, &view, true, &all);
@@ -391,12 +344,12 @@ static void eye_among_instances(void **state) {
         iso_gbuffer_free(&b);
     }
     f->all.count = 0;
-    const iso_view view = view_of_walk(f, 0);
+    const iso_view view = test_forest_view(f, 0, WIDTH, HEIGHT);
     iso_gbuffer none = draw_forest(&drawing, f, &view, false, &few);
     for (int i = 0; i < WIDTH * HEIGHT; i++) assert_int_equal(none.surface[i], ISO_SURFACE_NONE);
     iso_gbuffer_free(&none);
     iso_instance_drawing_free(&drawing);
-    free_forest(f);
+    test_forest_free(f);
 }
 
 /* ---- one instance */
@@ -449,7 +402,7 @@ static void coarse_discs_reach_beyond_boxes(void **state) {
     assert_int_equal(iso_lod_update(&lod, &s.points, NULL, NULL), ISO_OK);
     const iso_instanced set = {&lod, iso_point_view_bounds(&s.points), s.points.radius};
     const iso_instance instance = {0, s.points.transform};
-    forest f = {.all = {.sets = &set, .instances = &instance, .set_count = 1, .count = 1}};
+    test_forest f = {.all = {.sets = &set, .instances = &instance, .set_count = 1, .count = 1}};
     iso_instance_drawing drawing = {0};
     iso_instance_counts counts;
     for (int pixels = 0; pixels <= 24; pixels += 6) {
@@ -533,6 +486,7 @@ int main(void) {
         cmocka_unit_test(layers_behind_a_wall_are_left_out),
         cmocka_unit_test(counts_tell_what_is_hidden),
         cmocka_unit_test(hidden_instances_are_not_missed),
+        cmocka_unit_test(discs_reach_before_their_points),
         cmocka_unit_test(pictures_do_not_depend_on_earlier_ones),
         cmocka_unit_test(eye_among_instances),
         cmocka_unit_test(an_instance_in_place_is_the_set),
