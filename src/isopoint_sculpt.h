@@ -54,7 +54,8 @@ typedef enum iso_falloff {
 } iso_falloff;
 
 /* A brush. Members that are 0 mean: tool add, sphere, smooth falloff, full strength (for tools with a
- * strength), aspect 0.5, blend and spacing 0.25 of the radius, no symmetry. The radius must be set. */
+ * strength), aspect 0.5, blend and spacing 0.25 of the radius, no symmetry. The radius must be set. With both
+ * symmetries each image is mirrored, too. Where radial images overlap, they act as one of their mean. */
 typedef struct iso_brush {
     iso_tool tool;
     iso_solid shape;
@@ -66,6 +67,8 @@ typedef struct iso_brush {
     double spacing;         /* distance between touches along the stroke, in radii */
     unsigned symmetry;      /* bit a: mirrored at the plane through `mirror` perpendicular to axis a */
     iso_vec3 mirror;        /* a point in the world, mm */
+    unsigned radial;        /* 2 .. 32: images, each turned by a further 1 / radial of a turn; 0, 1: none */
+    char radial_axis;       /* 'x', 'y' or 'z' (0: 'z'): what they turn around, through `mirror` */
     bool pressure_radius;   /* pressure scales the radius */
     bool pressure_strength; /* pressure scales the strength */
     bool has_color;         /* the surface that PAINT, the first four tools, INFLATE, FILL and CLAY make .. */

@@ -259,7 +259,8 @@ static void end_drawing(isosculpt_controller *controller, bool cancel) {
     cancel_unfinished_stroke(controller);
     if (status == ISO_OK && !cancel)
         status = isosculpt_stroke_editor_place(&controller->document->strokes, session, &controller->error);
-    if (controller->brush.symmetry) controller->surface_box = isosculpt_viewport_bounds(controller->viewport);
+    if (controller->brush.symmetry || iso_brush_is_radial(&controller->brush))
+        controller->surface_box = isosculpt_viewport_bounds(controller->viewport);
     finish_edit(controller, status, &stats);
 }
 

@@ -152,7 +152,7 @@ chooses_light() { # the third one of the list
     grep -q 'light=matcap pearl' "$journal.open"
 }
 until_ "another light" chooses_light
-symmetric() { press 96 273; whole_window mirror; look color mirror.png 255 120 110 320,0,1280,800 100; }
+symmetric() { press 72 273; whole_window mirror; look color mirror.png 255 120 110 320,0,1280,800 100; }
 until_ "a mirror" symmetric
 key f
 picture look

@@ -85,37 +85,69 @@ static void choose_color(iso_brush *brush) {
     ImGui::EndDisabled();
 }
 
-/* The widgets for the mirror planes and their positions, and the colour. */
+/* The widget for the number of radial images, before that for the colour. */
+static void choose_radial(iso_brush *brush) {
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x, side = ImGui::GetFrameHeight();
+    static const int least = 1, most = ISO_RADIAL_MOST;
+    int count = iso_brush_is_radial(brush) ? (int)brush->radial : 1;
+    ImGui::SameLine(0, gap);
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionMax().x - 2 * (side + gap) - ImGui::GetCursorPosX());
+    if (ImGui::DragScalar("##radial", ImGuiDataType_S32, &count, 0.1f, &least, &most, "\xc3\x97%d",
+                          ImGuiSliderFlags_AlwaysClamp))
+        brush->radial = (unsigned)count;
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("Radial symmetry: each touch acts at so many places around an axis.\n"
+                          "Drag sideways, or double-click and type.");
+}
+
+/* The button for the axis that radial images are turned around. */
+static void choose_axis(iso_brush *brush) {
+    const int axis = iso_brush_radial_axis(brush);
+    const char name[] = {(char)('x' + axis), '#', '#', 'r', 0};
+    ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
+    if (ImGui::Button(name)) brush->radial_axis = (char)('x' + (axis + 1) % 3);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The axis of the radial symmetry.");
+}
+
+/* Whether a coordinate of the brush's mirror matters. */
+static bool has_centre(const iso_brush *brush, int axis) {
+    return brush->symmetry >> axis & 1 ||
+           (iso_brush_is_radial(brush) && iso_brush_radial_axis(brush) != axis);
+}
+
+/* The widgets for the symmetries and where their planes and axis are, and the colour. */
 static void choose_mirror(isosculpt_controller *controller, iso_brush *brush) {
     ImGui::AlignTextToFramePadding();
-    ImGui::TextUnformatted("symmetry");
+    ImGui::TextUnformatted("mirror");
     for (unsigned axis = 0; axis < 3; axis++) {
         const char name[2] = {(char)('x' + axis), 0};
-        ImGui::SameLine();
+        ImGui::SameLine(0, axis ? ImGui::GetStyle().ItemInnerSpacing.x : -1);
         ImGui::CheckboxFlags(name, &brush->symmetry, 1u << axis);
     }
-    if (brush->symmetry) {
-        ImGui::SameLine();
-        if (ImGui::Button("centre")) isosculpt_controller_center_mirror(controller);
-        if (ImGui::IsItemHovered()) ImGui::SetTooltip("the planes pass through the middle of the object");
-    }
+    choose_radial(brush);
     choose_color(brush);
-    if (!brush->symmetry) return;
+    if (!brush->symmetry && !iso_brush_is_radial(brush)) return;
     double *const at[] = {&brush->mirror.x, &brush->mirror.y, &brush->mirror.z};
     const float speed = (float)(0.5 * controller->document->start.voxel_size);
-    const float inner = ImGui::GetStyle().ItemInnerSpacing.x,
-                width = (ImGui::CalcItemWidth() - 2 * inner) / 3;
+    const float inner = ImGui::GetStyle().ItemInnerSpacing.x, padding = ImGui::GetStyle().FramePadding.x,
+                buttons = ImGui::CalcTextSize(iso_brush_is_radial(brush) ? "centrez" : "centre").x +
+                          (iso_brush_is_radial(brush) ? 4 * padding + 2 * inner : 2 * padding + inner),
+                width = (ImGui::GetContentRegionAvail().x - buttons - 2 * inner) / 3;
     for (int axis = 0; axis < 3; axis++) {
         ImGui::PushID(axis);
         if (axis) ImGui::SameLine(0, inner);
         ImGui::SetNextItemWidth(width);
-        ImGui::BeginDisabled(!(brush->symmetry >> axis & 1));
+        ImGui::BeginDisabled(!has_centre(brush, axis));
         ImGui::DragScalar("##mirror", ImGuiDataType_Double, at[axis], speed, nullptr, nullptr, "%.5g");
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("where the planes and the axis are, mm");
         ImGui::EndDisabled();
         ImGui::PopID();
     }
     ImGui::SameLine(0, inner);
-    ImGui::TextUnformatted("at, mm");
+    if (ImGui::Button("centre")) isosculpt_controller_center_mirror(controller);
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("the planes and the axis pass through the middle of the object");
+    if (iso_brush_is_radial(brush)) choose_axis(brush);
 }
 
 /* A brush of the panel: the label of its button, and what it does. */

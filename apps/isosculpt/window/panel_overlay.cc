@@ -40,6 +40,12 @@ void panel_draw_brush(const isosculpt_screen *screen, float scale) {
     isosculpt_pick pick;
     double x, y;
     if (!isosculpt_controller_pick(controller, &pick)) return;
+    static iso_brush_image images[ISO_IMAGES_MOST];
+    const int count = iso_brush_images(&controller->brush, images);
+    for (int i = 1; i < count; i++)
+        draw_ring(screen, list, iso_brush_image_point(&images[i], pick.position),
+                  iso_brush_image_direction(&images[i], pick.normal), controller->brush.radius,
+                  IM_COL32(255, 255, 255, 110), scale);
     draw_ring(screen, list, pick.position, pick.normal, controller->brush.radius,
               IM_COL32(255, 255, 255, 230), scale);
     iso_vec3 tip = iso_vec3_add(pick.position, iso_vec3_scale(pick.normal, 0.4 * controller->brush.radius));
@@ -77,6 +83,22 @@ static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axi
         corners[i] = to_window(screen, x, y);
     }
     list->AddPolyline(corners, 4, AXIS_COLORS[axis], ImDrawFlags_Closed, scale);
+}
+
+/* Draws the axis of a radial symmetry, a little longer than the box of the surface. */
+static void draw_axis(const isosculpt_screen *screen, ImDrawList *list, const iso_brush *brush, float scale) {
+    const iso_vec3 lo = screen->controller->surface_box.lo, hi = screen->controller->surface_box.hi;
+    const double low[] = {lo.x, lo.y, lo.z}, high[] = {hi.x, hi.y, hi.z};
+    const isosculpt_pick_buffer *buffer = &screen->controller->viewport->drawn;
+    const int axis = iso_brush_radial_axis(brush);
+    const double more = 0.12 * (high[axis] - low[axis]);
+    double p[] = {brush->mirror.x, brush->mirror.y, brush->mirror.z}, x[2], y[2];
+    for (int end = 0; end < 2; end++) {
+        p[axis] = end ? high[axis] + more : low[axis] - more;
+        if (!isosculpt_pick_buffer_pixel(buffer, iso_vec3_make(p[0], p[1], p[2]), &x[end], &y[end])) return;
+    }
+    list->AddLine(to_window(screen, x[0], y[0]), to_window(screen, x[1], y[1]), AXIS_COLORS[axis],
+                  1.5f * scale);
 }
 
 /* Draws the path of a stroke. */
@@ -168,6 +190,7 @@ void panel_draw_picture(const isosculpt_screen *screen, float scale) {
     if (screen->blank || (screen->volume && !screen->sculpting)) return;
     for (int axis = 0; axis < 3; axis++)
         if (brush->symmetry >> axis & 1) draw_plane(screen, list, axis, scale);
+    if (iso_brush_is_radial(brush)) draw_axis(screen, list, brush, scale);
     for (size_t i = 0; i < controller->queued_strokes.count; i++) {
         const isosculpt_stroke *stroke = &controller->queued_strokes.strokes[i];
         draw_path(screen, list, stroke->samples, stroke->count, IM_COL32(255, 255, 255, 190), scale);

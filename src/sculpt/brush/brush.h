@@ -79,6 +79,29 @@ typedef struct iso_touch {
     iso_sample sample, previous, first;
 } iso_touch;
 
+/* The images of a touch, all of which act: with radial symmetry turned ones, and with mirror planes the mirror
+ * images of these. The first is the touch itself. No two are the same. */
+enum { ISO_RADIAL_MOST = 32, ISO_IMAGES_MOST = 8 * ISO_RADIAL_MOST };
+
+/* First turned around an axis, then mirrored. */
+typedef struct iso_brush_image {
+    iso_vec3 through; /* a point of the axis and of all mirror planes */
+    int axis;         /* 0: x, 1: y, 2: z */
+    bool turned;
+    double cosine, sine;
+    unsigned mirrored; /* bit a: at the plane perpendicular to axis a */
+} iso_brush_image;
+
+bool iso_brush_is_radial(const iso_brush *brush);
+/* The axis of the radial symmetry. 0: x. */
+int iso_brush_radial_axis(const iso_brush *brush);
+/* Lists the images of a brush's touches and returns their number. */
+int iso_brush_images(const iso_brush *brush, iso_brush_image images[ISO_IMAGES_MOST]);
+/* Return the image of a point and of a direction; by half and quarter turns and mirrors these are exact but
+ * for the rounding of sums. */
+iso_vec3 iso_brush_image_point(const iso_brush_image *image, iso_vec3 point);
+iso_vec3 iso_brush_image_direction(const iso_brush_image *image, iso_vec3 direction);
+
 #ifdef __cplusplus
 }
 #endif

@@ -81,34 +81,6 @@ void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts) {
 
 /* ---- the cells that a touch may change */
 
-/* Returns a lower bound of the distance, in voxels, from a cell's voxels to a dab's centre or, for drags and
- * capsules, to the segment along which it moved. */
-static double cell_distance(const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
-    bool segment = iso_tool_is_drag(dabs->tool) || dabs->solid == ISO_SOLID_CAPSULE;
-    double centre[3], half = 0.5 * (ISO_BRICK - 1), t = 0, along = 0, square = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        double d = segment ? dab->from[axis] - dab->centre[axis] : 0;
-        centre[axis] = ISO_BRICK * (double)at[axis] + half;
-        along += (centre[axis] - dab->centre[axis]) * d;
-        square += d * d;
-    }
-    if (square > 0) t = fmin(fmax(along / square, 0), 1);
-    if (segment) { /* the distance to the ball around the cell */
-        double distance = 0;
-        for (int axis = 0; axis < 3; axis++) {
-            double d = centre[axis] - dab->centre[axis] - t * (dab->from[axis] - dab->centre[axis]);
-            distance += d * d;
-        }
-        return sqrt(distance) - half * sqrt(3);
-    }
-    double distance = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        double d = fmax(fabs(centre[axis] - dab->centre[axis]) - half, 0);
-        distance += d * d;
-    }
-    return sqrt(distance);
-}
-
 /* Whether a tool can change a cell with this entry in the grid: adding to the inside changes nothing, nor
  * does carving outside. */
 static bool can_change(iso_tool tool, int32_t state) {
@@ -147,14 +119,14 @@ static double cells_in_range(const int lo[3], const int hi[3]) {
     return (hi[0] - lo[0] + 1.0) * (hi[1] - lo[1] + 1.0) * (hi[2] - lo[2] + 1.0);
 }
 
-/* Returns the cost of editing one cell; a brush with one dab of a simple solid costs 1.25. The cost grows
- * with the number of dabs. A stamp costs more because it is sampled at every voxel, a drag because it follows
- * each voxel back along the stroke in up to 256 steps. */
-static double cell_cost(const iso_dabs *dabs) {
-    const double count = dabs->count;
-    if (iso_tool_is_drag(dabs->tool)) return 1 + count * iso_dabs_steps(dabs) / 4;
-    if (dabs->solid == ISO_SOLID_STAMP && iso_tool_is_set_operation(dabs->tool)) return 16 * count;
-    return 1 + count / 4;
+/* Returns the cost of editing the listed cells; one of a brush with one dab of a simple solid costs 1.25. It
+ * grows with the number of dabs that reach a cell. A stamp costs more because it is sampled at every voxel, a
+ * drag because it follows each voxel back along the stroke in up to 256 steps. */
+static double cost_of_cells(const iso_editor *editor, const iso_dabs *dabs) {
+    const double cells = (double)editor->transaction.cell_count, reached = (double)editor->reached;
+    if (iso_tool_is_drag(dabs->tool)) return cells * (1 + dabs->count * iso_dabs_steps(dabs) / 4.0);
+    if (dabs->solid == ISO_SOLID_STAMP && iso_tool_is_set_operation(dabs->tool)) return 16 * reached;
+    return cells + reached / 4;
 }
 
 static iso_status list_dab_cells(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, bool *clipped,
@@ -166,10 +138,11 @@ static iso_status list_dab_cells(iso_editor *editor, const iso_dabs *dabs, const
     for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
         for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
             for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++) {
-                if (cell_distance(dabs, dab, at) >= influence) continue;
+                if (iso_dab_brick_distance(dabs, dab, at) >= influence) continue;
                 size_t cell = iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
                 if (!can_change(dabs->tool, editor->transaction.grid->cell[cell])) continue;
                 ISO_TRY(iso_transaction_add(&editor->transaction, at, true, error));
+                editor->reached++;
                 if (editor->transaction.cell_count > ISO_LIMIT_TOUCH_CELLS)
                     return iso_fail(error, ISO_ERR_LIMIT,
                                     "a brush of %g voxels reaches more than %d bricks in one touch",
@@ -191,6 +164,7 @@ static iso_status list_notified(iso_editor *editor, const iso_buffer *cells, siz
 }
 
 static iso_status list_cells(iso_editor *editor, const iso_dabs *dabs, bool *clipped, iso_error *error) {
+    editor->reached = 0;
     for (int i = 0; i < dabs->count; i++)
         ISO_TRY(list_dab_cells(editor, dabs, &dabs->dab[i], clipped, error));
     if (dabs->tool == ISO_TOOL_MOVE) {
@@ -294,7 +268,7 @@ static iso_status commit_changes(iso_editor *editor, iso_edit_stats *stats, iso_
  * a seam. Returns 0 if the new values are not exact distances to one solid; redistancing then starts at every
  * changed voxel. */
 static float far_value_of(const iso_dabs *dabs) {
-    if (dabs->count > 1 || dabs->solid == ISO_SOLID_STAMP) return 0;
+    if (!dabs->apart || dabs->solid == ISO_SOLID_STAMP) return 0;
     return dabs->tool == ISO_TOOL_ADD ? dabs->band : dabs->tool == ISO_TOOL_CARVE ? -dabs->band : 0;
 }
 
@@ -303,7 +277,7 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
     iso_transaction *transaction = &editor->transaction;
     brush_pass pass = {.editor = editor, .dabs = dabs};
     ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
-    editor->cost += (double)transaction->cell_count * cell_cost(dabs);
+    editor->cost += cost_of_cells(editor, dabs);
     const bool paints = iso_painter_begin(&editor->painter, dabs);
     if (paints) ISO_TRY(iso_painter_list(&editor->painter, error));
     transaction->far_value = far_value_of(dabs);
@@ -333,7 +307,7 @@ static iso_status touch_paint(iso_editor *editor, const iso_dabs *dabs, iso_edit
     if (!iso_painter_begin(painter, dabs)) return ISO_OK;
     ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
     ISO_TRY(iso_painter_list(painter, error));
-    editor->cost += (double)painter->cell_count * cell_cost(dabs);
+    editor->cost += cost_of_cells(editor, dabs);
     ISO_TRY(commit_changes(editor, stats, error));
     for (size_t i = 0; i < painter->cell_count; i++) stats->edited += iso_painter_cell(painter, i)->differs;
     return ISO_OK;
@@ -416,7 +390,7 @@ static iso_status for_mask_cells(iso_editor *editor, const iso_dabs *dabs, mask_
         for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
             for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
                 for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++)
-                    if (cell_distance(dabs, &dabs->dab[i], at) < influence)
+                    if (iso_dab_brick_distance(dabs, &dabs->dab[i], at) < influence)
                         ISO_TRY(visit(editor, dabs, &dabs->dab[i], at, error));
     }
     return ISO_OK;

@@ -6,7 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/kernel_units.h"
 #include "sculpt/edit/mask_boundary.h"
 
 /* The width of the band in voxels: a change nearer than this to a face can change distances in the cell
@@ -27,7 +26,7 @@ iso_status iso_transaction_init(iso_transaction *transaction, iso_hgrid *grid, i
     transaction->grid = grid;
     transaction->pool = pool;
     transaction->redistancer = iso_redistancer_get(iso_cpu_best());
-    transaction->dab = ISO_KERNEL_UNIT(iso_dab_kernel, iso_cpu_best());
+    transaction->dab = iso_dab_kernel_get(iso_cpu_best());
     transaction->edit_cell_of = iso_alloc_zero(cells, sizeof *transaction->edit_cell_of);
     transaction->workers = iso_alloc_zero(threads, sizeof *transaction->workers);
     for (int sign = 0; sign < 2; sign++) {
