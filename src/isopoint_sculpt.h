@@ -31,6 +31,11 @@ typedef enum iso_tool {
     ISO_TOOL_CLEAR_MASK,  /* at a stroke's first sample: unfreezes all voxels, wherever the sample is */
     ISO_TOOL_INVERT_MASK, /* the same: freezes what is not frozen, and unfreezes the rest */
     ISO_TOOL_PAINT,       /* lays the brush's colour over the surface; without a colour: takes paint away */
+    /* The last three act when the stroke ends, by what its samples outline for a viewer whom their normals
+     * point to: parallel normals extend the outline as a prism, normals towards one point as a pyramid. */
+    ISO_TOOL_TRIM_PLANE, /* removes what lies to the right of the line from the first sample to the last */
+    ISO_TOOL_TRIM_LASSO, /* removes what lies within the outline, which needs three samples */
+    ISO_TOOL_CROP_LASSO, /* removes what lies outside of it */
     ISO_TOOL_COUNT
 } iso_tool;
 

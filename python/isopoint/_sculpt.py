@@ -14,7 +14,8 @@ from ._volume import Volume
 
 _TOOLS = {name.replace("_", "-").lower(): getattr(lib, "ISO_TOOL_" + name) for name in
           ("ADD", "CARVE", "BLEND_ADD", "BLEND_CARVE", "SMOOTH", "INFLATE", "DEFLATE", "FLATTEN", "SCRAPE", "FILL",
-           "CLAY", "PINCH", "CREASE", "SNAKE_HOOK", "MOVE", "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK", "PAINT")}
+           "CLAY", "PINCH", "CREASE", "SNAKE_HOOK", "MOVE", "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK", "PAINT",
+           "TRIM_PLANE", "TRIM_LASSO", "CROP_LASSO")}
 _SOLIDS = {name.lower(): getattr(lib, "ISO_SOLID_" + name) for name in
            ("SPHERE", "BOX", "CAPSULE", "CYLINDER", "TORUS", "STAMP")}
 _AXES = {axis: axis.encode() for axis in "xyz"}
@@ -24,8 +25,8 @@ _FALLOFFS = {name.lower(): getattr(lib, "ISO_FALLOFF_" + name) for name in ("SMO
 @dataclass
 class Brush:
     """A brush. `tool`: "add", "carve", "blend-add", "blend-carve", "smooth", "inflate", "deflate", "flatten",
-    "scrape", "fill", "clay", "pinch", "crease", "snake-hook", "move", "mask", "unmask", "clear-mask", "invert-mask"
-    or "paint"; `shape` of the first four: "sphere", "box", "capsule",
+    "scrape", "fill", "clay", "pinch", "crease", "snake-hook", "move", "mask", "unmask", "clear-mask", "invert-mask",
+    "paint", "trim-plane", "trim-lasso" or "crop-lasso" (`Sculpt.trim`); `shape` of the first four: "sphere", "box", "capsule",
     "cylinder", "torus" or "stamp". Sizes in mm; `aspect` and `spacing` in radii; 0 means the usual. `symmetry`: "x",
     "yz" .., mirrored at planes through `mirror`; `radial`: that many images (2 to 32), turned around the `radial_axis`
     through it. `color`: "#rrggbb", of the surface that "paint", the first four,
@@ -138,8 +139,19 @@ class Sculpt:
             except BaseException:
                 lib.iso_sculpt_cancel(self._handle, ffi.NULL)
                 raise
-            call(lib.iso_sculpt_end, self._handle)
+            try:
+                call(lib.iso_sculpt_end, self._handle)
+            except BaseException:
+                lib.iso_sculpt_cancel(self._handle, ffi.NULL)
+                raise
         return int(stats.edited)
+
+    def trim(self, positions: Any, normals: Any, *, crop: bool = False, blend: float = 0.0) -> None:
+        """Removes what positions (n, 3), mm, outline for a viewer whom `normals` point to: two make a line, on whose right
+        everything goes; more a lasso, in which everything goes, or, with `crop`, outside of which. Parallel normals extend it
+        as a prism, normals towards one point (the eye of a camera) as a pyramid. `blend`, mm, rounds the edges."""
+        tool = "crop-lasso" if crop else "trim-lasso" if len(np.atleast_2d(positions)) > 2 else "trim-plane"
+        self.stroke(Brush(1.0, tool, blend=blend), positions, normals)
 
     @property
     def strokes(self) -> "list[Stroke]":

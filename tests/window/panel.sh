@@ -130,7 +130,7 @@ key ctrl+z ctrl+i
 picture inverted_again
 cmp inverted.png inverted_again.png || fail "inverted again: another picture"
 until_ "the button that inverts" inverts
-clears() { press 220 301; picture none; ! differ free none; }
+clears() { press 140 301; picture none; ! differ free none; }
 until_ "the button that clears" clears
 tools | grep -q "invert-mask .*clear-mask .*invert-mask .*clear-mask " || fail "the mask in the stroke file: $(tools)"
 "$bin/isosculpt" --replay "$journal" --headless --quiet --json=replay.json || fail "strokes that change the mask do not play"

@@ -169,32 +169,41 @@ static const brush_button BRUSHES[ISOSCULPT_TOOLS] = {
     {"fill", "Fills what is lower than the surface around it.\nAlt: scrapes."},
     {"crease", "Digs a sharp groove along the stroke."},
     {"hook", "Draws a horn or a tentacle out of the surface, along the pointer's path."},
-    {"paint", "Lays the colour over the surface.\nAlt: takes paint away."}};
+    {"paint", "Lays the colour over the surface.\nAlt: takes paint away."},
+    {"line", "Removes what is on the right of a line that is drawn over the picture.\nAlt: on the left."},
+    {"lasso", "Removes what lies within a line that is drawn around it.\nAlt: what lies outside."}};
+/* The first so many are in a grid, the others beside the buttons for the mask. */
+enum { BRUSHES_IN_GRID = 15 };
+
+/* The button of a tool; width 0: as wide as its label. */
+static void choose_tool(isosculpt_controller *controller, iso_brush *brush, int number, float width) {
+    const bool chosen = brush->tool == isosculpt_controller_tool(number), own = brush == &controller->brush;
+    const char key = isosculpt_controller_tool_key(number), shown = (char)toupper(key);
+    char label[32];
+    snprintf(label, sizeof label, width > 0 ? "%c  %s" : "%c %s", shown, BRUSHES[number].label);
+    if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_CheckMark));
+    if (ImGui::Button(label, ImVec2(width, 0))) {
+        if (own)
+            isosculpt_controller_key(controller, key, 0, true);
+        else
+            brush->tool = isosculpt_controller_tool(number);
+    }
+    if (chosen) ImGui::PopStyleColor();
+    if (ImGui::IsItemHovered() && own) ImGui::SetTooltip("%s\nKey: %c", BRUSHES[number].tip, shown);
+}
 
 static void choose_brush(isosculpt_controller *controller, iso_brush *brush) {
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x,
                 width = (ImGui::GetContentRegionAvail().x - 2 * gap) / 3;
-    for (int i = 0; i < ISOSCULPT_TOOLS; i++) {
-        const bool chosen = brush->tool == isosculpt_controller_tool(i), own = brush == &controller->brush;
-        const char key = isosculpt_controller_tool_key(i), shown = (char)toupper(key);
-        char label[32];
-        snprintf(label, sizeof label, "%c  %s", shown, BRUSHES[i].label);
+    for (int i = 0; i < BRUSHES_IN_GRID; i++) {
         if (i % 3) ImGui::SameLine(0, gap);
-        if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_CheckMark));
-        if (ImGui::Button(label, ImVec2(width, 0))) {
-            if (own)
-                isosculpt_controller_key(controller, key, 0, true);
-            else
-                brush->tool = isosculpt_controller_tool(i);
-        }
-        if (chosen) ImGui::PopStyleColor();
-        if (ImGui::IsItemHovered() && own) ImGui::SetTooltip("%s\nKey: %c", BRUSHES[i].tip, shown);
+        choose_tool(controller, brush, i, width);
     }
 }
 
-/* The buttons for the whole mask. */
-static void change_mask(isosculpt_controller *controller) {
-    const button_row row("Invert maskClear mask", 2);
+/* The buttons for the whole mask, and for trimming. */
+static void change_mask(isosculpt_controller *controller, iso_brush *brush) {
+    const button_row row("Invert maskClear maskB lineA lasso", 4);
     if (ImGui::Button("Invert mask")) isosculpt_controller_change_mask(controller, ISO_TOOL_INVERT_MASK);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Freezes what is free, and frees the rest.\nKey: Ctrl+I");
     row.next();
@@ -202,6 +211,10 @@ static void change_mask(isosculpt_controller *controller) {
     if (ImGui::Button("Clear mask")) isosculpt_controller_change_mask(controller, ISO_TOOL_CLEAR_MASK);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Frees everything.\nKey: Alt+M");
     ImGui::EndDisabled();
+    for (int i = BRUSHES_IN_GRID; i < ISOSCULPT_TOOLS; i++) {
+        row.next();
+        choose_tool(controller, brush, i, 0);
+    }
 }
 
 /* `own`: it is the brush of strokes to come. The strength of a past stroke that adds or removes a solid is in
@@ -214,7 +227,7 @@ static void choose_strength(iso_brush *brush, bool own) {
                         ImGuiSliderFlags_AlwaysClamp);
     ImGui::EndDisabled();
     if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
-        ImGui::SetTooltip("%s", !isosculpt_tool_has_strength(brush->tool) ? "A mask has no strength."
+        ImGui::SetTooltip("%s", !isosculpt_tool_has_strength(brush->tool) ? "It has no strength."
                                 : in_path ? "How high it is built up, or how deep it is carved, is in\n"
                                             "the path of a stroke."
                                 : isosculpt_tool_has_shape(brush->tool)
@@ -239,7 +252,7 @@ static void draw_brush_section(const isosculpt_screen *screen) {
     choose_strength(brush, own);
     choose_shape(brush, stamp);
     choose_mirror(controller, brush);
-    change_mask(controller);
+    change_mask(controller, brush);
     controller->brush_held = !own && ImGui::IsAnyItemActive();
     if (!screen->pen) return;
     ImGui::AlignTextToFramePadding();

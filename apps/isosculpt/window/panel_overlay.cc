@@ -39,7 +39,7 @@ void panel_draw_brush(const isosculpt_screen *screen, float scale) {
     const isosculpt_controller *controller = screen->controller;
     isosculpt_pick pick;
     double x, y;
-    if (!isosculpt_controller_pick(controller, &pick)) return;
+    if (iso_tool_is_trim(controller->brush.tool) || !isosculpt_controller_pick(controller, &pick)) return;
     static iso_brush_image images[ISO_IMAGES_MOST];
     const int count = iso_brush_images(&controller->brush, images);
     for (int i = 1; i < count; i++)
@@ -179,6 +179,30 @@ static void draw_cut(const isosculpt_screen *screen, ImDrawList *list, float sca
     list->AddCircle(at, grip, dark, 0, 1.5f * scale);
 }
 
+/* Draws what outlines a part that is to be removed: a lasso with the line that closes it, or a line with
+ * ticks on the side that goes. */
+static void draw_outline(const isosculpt_screen *screen, ImDrawList *list, float scale) {
+    const isosculpt_controller *controller = screen->controller;
+    const isosculpt_outline *o = &controller->outline;
+    const ImU32 color = IM_COL32(255, 190, 90, 255), dark = IM_COL32(0, 0, 0, 140);
+    static ImVec2 corners[ISOSCULPT_OUTLINE_POINTS];
+    const bool line = controller->brush.tool == ISO_TOOL_TRIM_PLANE;
+    for (int i = 0; i < o->count; i++) corners[i] = to_window(screen, o->at[i][0], o->at[i][1]);
+    const ImDrawFlags closed = line ? ImDrawFlags_None : ImDrawFlags_Closed;
+    list->AddPolyline(corners, o->count, dark, closed, 3.5f * scale);
+    list->AddPolyline(corners, o->count, color, closed, 1.5f * scale);
+    if (!line || o->count < 2) return;
+    const float x = corners[1].x - corners[0].x, y = corners[1].y - corners[0].y,
+                length = std::sqrt(x * x + y * y), tick = 8 * scale;
+    const bool left = controller->press_modifiers & (ISOSCULPT_MODIFIER_CTRL | ISOSCULPT_MODIFIER_ALT);
+    const ImVec2 aside(left ? y / length * tick : -y / length * tick,
+                       left ? -x / length * tick : x / length * tick);
+    for (float at = 0.5f * tick; at < length; at += tick) {
+        const ImVec2 from(corners[0].x + x * at / length, corners[0].y + y * at / length);
+        list->AddLine(from, ImVec2(from.x + aside.x, from.y + aside.y), color, scale);
+    }
+}
+
 void panel_draw_picture(const isosculpt_screen *screen, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
     const isosculpt_controller *controller = screen->controller;
@@ -196,4 +220,5 @@ void panel_draw_picture(const isosculpt_screen *screen, float scale) {
         draw_path(screen, list, stroke->samples, stroke->count, IM_COL32(255, 255, 255, 190), scale);
     }
     draw_selected(screen, list, scale);
+    if (controller->drag == ISOSCULPT_DRAG_OUTLINE) draw_outline(screen, list, scale);
 }

@@ -1,5 +1,5 @@
-/* Looks up the names of tools, solids and falloffs, checks that the numbers of a brush are in their ranges, and
- * finds the images of its touches. */
+/* Looks up the names of tools, solids and falloffs, checks that the numbers of a brush are in their ranges,
+ * and finds the images of its touches. */
 #include "sculpt/brush/brush.h"
 
 #include <math.h>

@@ -36,7 +36,8 @@ static void make_tangent_frame(iso_vec3 normal, iso_vec3 frame[3]) {
     frame[2] = n;
 }
 
-/* Makes an image of a touch. The axes of the dab are turned and mirrored, too, so that boxes and stamps are. */
+/* Makes an image of a touch. The axes of the dab are turned and mirrored, too, so that boxes and stamps are.
+ */
 static void make_dab(const iso_dab_space *space, const iso_brush *brush, const iso_touch *touch,
                      const iso_brush_image *image, iso_dab *dab) {
     const iso_affine *affine = space->affine;
@@ -60,8 +61,8 @@ static double length_of(const double a[3], const double b[3]) {
                 (a[2] - b[2]) * (a[2] - b[2]));
 }
 
-/* Whether no voxel is within the influence of two dabs. All images see the others alike, so that the distances
- * from the first one tell. */
+/* Whether no voxel is within the influence of two dabs. All images see the others alike, so that the
+ * distances from the first one tell. */
 static bool are_apart(const iso_dabs *dabs) {
     const iso_dab *first = &dabs->dab[0];
     const double least = 2 * (iso_dabs_influence(dabs) + 1 +

@@ -25,6 +25,10 @@ bool iso_tool_is_drag(iso_tool tool) {
     return tool == ISO_TOOL_SNAKE_HOOK || tool == ISO_TOOL_MOVE;
 }
 
+bool iso_tool_is_trim(iso_tool tool) {
+    return tool >= ISO_TOOL_TRIM_PLANE;
+}
+
 bool iso_tool_has_area_plane(iso_tool tool) {
     return tool >= ISO_TOOL_SCRAPE && tool <= ISO_TOOL_CLAY;
 }
@@ -103,8 +107,8 @@ static double carried(const iso_dabs *dabs) {
     return sqrt(most);
 }
 
-/* A drag follows voxels back, out of the reach of one dab perhaps into that of another: n dabs carry a voxel by
- * at most n times what one does, so that all dabs are listed that are as near as this, once they are n. */
+/* A drag follows voxels back, out of the reach of one dab perhaps into that of another: n dabs carry a voxel
+ * by at most n times what one does, so that all dabs are listed that are as near as this, once they are n. */
 int iso_dabs_find_near(const iso_dabs *dabs, const int brick[3], int near[ISO_DAB_MAX]) {
     near[0] = 0;
     if (dabs->count == 1) return 1;

@@ -14,6 +14,7 @@
 
 #include "grids/hgrid.h"
 #include "sculpt/brush/brush.h"
+#include "sculpt/brush/outline.h"
 #include "sculpt/brush/stamp.h"
 #include "sculpt/field/redistance.h"
 
@@ -56,8 +57,9 @@ typedef struct iso_dabs {
     int cover;      /* how much of the colour a touch lays on, at its centre; 0 .. ISO_PAINT_ONE */
     bool radial;    /* the images are not (only) mirror images */
     bool apart; /* no voxel is within the influence of two dabs (false: of mirror images, also if none is) */
-    const iso_hgrid *stamp; /* the level of the stamp for this radius; NULL: no stamp is set */
-    int count;              /* of dabs */
+    const iso_hgrid *stamp;     /* the level of the stamp for this radius; NULL: no stamp is set */
+    const iso_outline *outline; /* what CARVE or BLEND_CARVE removes instead of a solid; NULL: a solid */
+    int count;                  /* of dabs */
     iso_dab dab[ISO_DAB_MAX];
 } iso_dabs;
 
@@ -80,8 +82,8 @@ double iso_dabs_influence(const iso_dabs *dabs);
 /* Returns a lower bound of the distance, in voxels, from the voxels of the brick at `brick` (in cells) to a
  * dab's centre or, for drags and capsules, to the segment along which it moved. */
 double iso_dab_brick_distance(const iso_dabs *dabs, const iso_dab *dab, const int brick[3]);
-/* Lists the dabs that can change a voxel of a brick, in their order, and returns their number. With the others
- * left out the brick gets the same values. A single dab is always listed. */
+/* Lists the dabs that can change a voxel of a brick, in their order, and returns their number. With the
+ * others left out the brick gets the same values. A single dab is always listed. */
 int iso_dabs_find_near(const iso_dabs *dabs, const int brick[3], int near[ISO_DAB_MAX]);
 
 /* Returns the number of steps in which a drag follows a voxel back along the stroke: enough for steps of at

@@ -147,21 +147,72 @@ ISO_INLINE vf clamped(vf value, float band) {
     return v_min(v_max(value, v_set(-band)), v_set(band));
 }
 
-static void edit_solid(const iso_dabs *dabs, const iso_local_dabs *local, const iso_stencil *phi,
-                       float *out) {
-    float stamped[ISO_BRICK_VOXELS], *stamp = dabs->solid == ISO_SOLID_STAMP ? stamped : NULL;
-    if (stamp) stamp_distances(dabs, local, stamped);
+/* Returns the value of a function of the position at the voxels x of a row. */
+ISO_INLINE vf along_row(const float f[4], int row, vf x) {
+    const float y = (float)(row % ISO_BRICK), z = (float)(row / ISO_BRICK);
+    return v_set(f[0]) * x + v_set(f[1] * y + (f[2] * z + f[3]));
+}
+
+/* Returns the squared distance from the voxels x of a row to a side of an outline. */
+ISO_INLINE vf side_square(const iso_local_side *side, int row, vf x) {
+    const vf plane = along_row(side->plane, row, x), zero = v_set(0),
+             beyond = v_max(
+                 zero - v_min(along_row(side->limit[0], row, x), along_row(side->limit[1], row, x)), zero);
+    return plane * plane + beyond * beyond;
+}
+
+/* Returns the voxels x of a row, as bits, from which a line to the right of the viewer's picture crosses a
+ * side. */
+ISO_INLINE uint32_t crossings(const iso_local_side *side, int row, vf x) {
+    const vf zero = v_set(0);
+    const uint32_t first = v_mask(v_lt(zero, along_row(side->level[0], row, x))),
+                   second = v_mask(v_lt(zero, along_row(side->level[1], row, x))),
+                   left = v_mask(v_lt(zero, along_row(side->plane, row, x)));
+    return (first ^ second) & (side->rises ? left : ~left);
+}
+
+/* Computes for all voxels of a brick the signed distance to what an outline removes. */
+static void outline_distances(const iso_outline *outline, const int brick[3], float *out) {
+    iso_local_outline local;
+    iso_outline_localize(outline, brick, &local);
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        for (int first = 0; first < ISO_BRICK; first += ISO_LANES) {
+            const vf x = v_to_float(v_lanes() + v_seti(first)), zero = v_set(0);
+            vf least = v_set(INFINITY);
+            uint32_t within = local.within ? ~0u : 0;
+            for (int i = 0; i < local.count && !local.plane; i++) {
+                const iso_local_side *side = &local.side[i];
+                if (side->near) least = v_min(least, side_square(side, row, x));
+                if (side->crossed) within ^= crossings(side, row, x);
+            }
+            if (local.pyramid) within &= v_mask(v_lt(zero, along_row(local.depth, row, x)));
+            const vf distance = v_sqrt(least);
+            v_store(out + row * ISO_BRICK + first,
+                    local.plane ? along_row(local.side[0].plane, row, x)
+                                : v_select(v_from_mask(local.inverted ? ~within : within), zero - distance,
+                                           distance));
+        }
+}
+
+static void edit_solid(const iso_dabs *dabs, const int brick[3], const iso_local_dabs *local,
+                       const iso_stencil *phi, float *out) {
+    float distances[ISO_BRICK_VOXELS]; /* of solids that are not made of formulas */
+    const bool made = dabs->outline || dabs->solid == ISO_SOLID_STAMP;
+    if (dabs->outline)
+        outline_distances(dabs->outline, brick, distances);
+    else if (made)
+        stamp_distances(dabs, local, distances);
     const bool carve = dabs->tool == ISO_TOOL_CARVE || dabs->tool == ISO_TOOL_BLEND_CARVE;
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
-            vf s = stamp ? v_load(stamp + row * ISO_BRICK + x) : v_set(INFINITY);
-            for (int i = 0; i < local->count && !stamp; i++) {
+            vf s = made ? v_load(distances + row * ISO_BRICK + x) : v_set(INFINITY);
+            for (int i = 0; i < local->count && !made; i++) {
                 const vf_vector p = position_from_dab(&local->dab[i], row, x);
                 s = v_min(s, solid_distance(dabs, &local->dab[i], &p));
             }
             const vf f = v_load(phi->self + row * ISO_BRICK + x), zero = v_set(0);
-            const vf made = carve ? zero - unite(dabs, zero - f, s) : unite(dabs, f, s);
-            v_store(out + row * ISO_BRICK + x, clamped(made, dabs->band));
+            const vf united = carve ? zero - unite(dabs, zero - f, s) : unite(dabs, f, s);
+            v_store(out + row * ISO_BRICK + x, clamped(united, dabs->band));
         }
 }
 
@@ -196,13 +247,14 @@ ISO_INLINE void add_weight(weights *all, vf weight) {
     all->most = v_max(all->most, snapped);
 }
 
-/* The factor by which the sum of what the images do becomes their mean by weight, times the largest weight. */
+/* The factor by which the sum of what the images do becomes their mean by weight, times the largest weight.
+ */
 ISO_INLINE vf factor_of(const weights *all) {
     return all->most / v_max(all->sum, v_set(1.0f / 65536));
 }
 
-/* Returns by how much INFLATE, DEFLATE or FLATTEN to CLAY change voxels with the values f, in voxels, with the
- * weight w. p: their positions relative to the dab. */
+/* Returns by how much INFLATE, DEFLATE or FLATTEN to CLAY change voxels with the values f, in voxels, with
+ * the weight w. p: their positions relative to the dab. */
 ISO_INLINE vf distance_change(const iso_dabs *dabs, const iso_local_dab *dab, const vf_vector *p, vf w,
                               vf f) {
     if (dabs->tool == ISO_TOOL_INFLATE) return v_set(0) - w;
@@ -278,7 +330,7 @@ static void edit(const iso_dabs *dabs, const int brick[3], const iso_stencil *ph
     iso_local_dabs local;
     make_local_dabs(dabs, brick, &local);
     if (iso_tool_is_set_operation(dabs->tool))
-        edit_solid(dabs, &local, phi, out);
+        edit_solid(dabs, brick, &local, phi, out);
     else if (dabs->tool == ISO_TOOL_SMOOTH)
         edit_smooth(dabs, &local, phi, out);
     else

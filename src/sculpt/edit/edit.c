@@ -163,8 +163,67 @@ static iso_status list_notified(iso_editor *editor, const iso_buffer *cells, siz
     return ISO_OK;
 }
 
+/* What is listed of an outline: cells that it can change. */
+typedef struct outline_list {
+    iso_editor *editor;
+    const iso_dabs *dabs;
+} outline_list;
+
+/* Lists a cell. `deep`: all of it is removed. */
+static iso_status list_outline_cell(const outline_list *list, const int at[3], bool deep, iso_error *error) {
+    iso_transaction *transaction = &list->editor->transaction;
+    const size_t cell = iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2]);
+    if (!can_change(list->dabs->tool, transaction->grid->cell[cell])) return ISO_OK;
+    ISO_TRY(iso_transaction_add(transaction, at, true, error));
+    iso_transaction_cell(transaction, transaction->cell_count - 1)->removed =
+        deep && !iso_mask_bits(iso_transaction_mask(transaction), cell);
+    list->editor->reached++;
+    return transaction->cell_count <= ISO_LIMIT_TOUCH_CELLS
+               ? ISO_OK
+               : iso_fail(error, ISO_ERR_LIMIT, "an outline removes more than %d bricks",
+                          ISO_LIMIT_TOUCH_CELLS);
+}
+
+/* Lists what an outline can change of a block of side^3 cells from `at` on: first the distance at its middle
+ * tells whether all of it, or nothing, is removed. */
+static iso_status list_outline_block(const outline_list *list, const int at[3], int side, iso_error *error) {
+    const iso_hgrid *grid = list->editor->transaction.grid;
+    const double half = 0.5 * (ISO_BRICK * side - 1), reach = sqrt(3) * half + 0.01;
+    double middle[3];
+    int p[3], end[3];
+    for (int k = 0; k < 3; k++) {
+        middle[k] = ISO_BRICK * (double)at[k] + half;
+        end[k] = at[k] + side < grid->cells[k] ? at[k] + side : grid->cells[k];
+    }
+    const double distance = iso_outline_distance(list->dabs->outline, middle),
+                 band = (double)list->dabs->band, blend = (double)list->dabs->blend_voxels;
+    if (distance >= reach + band + blend) return ISO_OK;
+    const bool deep = distance <= -(reach + band + blend);
+    if (side == 1) return list_outline_cell(list, at, deep, error);
+    for (p[2] = at[2]; p[2] < end[2]; p[2]++)
+        for (p[1] = at[1]; p[1] < end[1]; p[1]++)
+            for (p[0] = at[0]; p[0] < end[0]; p[0]++)
+                ISO_TRY(deep ? list_outline_cell(list, p, true, error)
+                             : list_outline_block(list, p, 1, error));
+    return ISO_OK;
+}
+
+static iso_status list_outline(iso_editor *editor, const iso_dabs *dabs, iso_error *error) {
+    enum { BLOCK = 4 };
+    const int *cells = editor->transaction.grid->cells;
+    const outline_list list = {editor, dabs};
+    int at[3];
+    for (at[2] = 0; at[2] < cells[2]; at[2] += BLOCK)
+        for (at[1] = 0; at[1] < cells[1]; at[1] += BLOCK)
+            for (at[0] = 0; at[0] < cells[0]; at[0] += BLOCK)
+                ISO_TRY(list_outline_block(&list, at, BLOCK, error));
+    editor->cost += (double)iso_hgrid_cell_count(editor->transaction.grid) * dabs->outline->count / 1024;
+    return iso_transaction_reserve(&editor->transaction, error);
+}
+
 static iso_status list_cells(iso_editor *editor, const iso_dabs *dabs, bool *clipped, iso_error *error) {
     editor->reached = 0;
+    if (dabs->outline) return list_outline(editor, dabs, error);
     for (int i = 0; i < dabs->count; i++)
         ISO_TRY(list_dab_cells(editor, dabs, &dabs->dab[i], clipped, error));
     if (dabs->tool == ISO_TOOL_MOVE) {
@@ -185,9 +244,14 @@ static void brush_cell(void *context, size_t index, int worker) {
     const brush_pass *pass = context;
     iso_transaction *transaction = &pass->editor->transaction;
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
-    float *out = iso_transaction_scratch_brick(transaction, worker);
     iso_painter *painter = &pass->editor->painter;
     bool warped = false;
+    if (edit_cell->removed) {
+        iso_transaction_empty(transaction, index);
+        if (painter->dabs) iso_painter_note(painter, index, &edit_cell->changed, NULL);
+        return;
+    }
+    float *out = iso_transaction_scratch_brick(transaction, worker);
     if (iso_tool_is_warp(pass->dabs->tool))
         warped =
             iso_editor_warp_cell(pass->editor, pass->dabs, edit_cell, &transaction->workers[worker], out);
@@ -450,6 +514,7 @@ static iso_status change_whole_mask(iso_editor *editor, iso_tool tool, iso_error
 static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                               iso_error *error) {
     ISO_TRY(iso_brush_check(brush, error));
+    if (iso_tool_is_trim(brush->tool)) return ISO_OK; /* its samples are checked one by one */
     const iso_sample *samples[] = {&touch->sample, &touch->previous, &touch->first};
     for (int i = 0; i < 3; i++) {
         const iso_sample *s = samples[i];
@@ -475,10 +540,51 @@ static void make_dabs(const iso_editor *editor, const iso_brush *brush, const is
     if (iso_tool_has_area_plane(brush->tool)) iso_area_planes(editor->transaction.grid, dabs);
 }
 
+/* Removes one image of what a stroke outlines: carves it. */
+static iso_status touch_outline(iso_editor *editor, const iso_brush *brush, const iso_outline *outline,
+                                iso_edit_stats *stats, iso_error *error) {
+    const iso_touch nowhere = {.path = NULL};
+    iso_brush carve = *brush;
+    iso_dabs dabs;
+    carve.tool = brush->blend > 0 ? ISO_TOOL_BLEND_CARVE : ISO_TOOL_CARVE;
+    carve.shape = ISO_SOLID_SPHERE;
+    carve.symmetry = carve.radial = 0;
+    carve.pressure_radius = carve.pressure_strength = false;
+    make_dabs(editor, &carve, &nowhere, &dabs);
+    dabs.outline = outline;
+    const iso_status status = touch_field(editor, &dabs, stats, error);
+    iso_painter_clear(&editor->painter);
+    iso_transaction_clear(&editor->transaction);
+    return status;
+}
+
+static iso_status trim(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
+                       iso_edit_stats *stats, iso_error *error) {
+    const iso_outline_space space = {.affine = &editor->affine, .spacing = editor->spacing};
+    iso_brush_image images[ISO_IMAGES_MOST];
+    const int count = iso_brush_images(brush, images);
+    iso_status status = ISO_OK;
+    for (int i = 0; i < count && status == ISO_OK; i++) {
+        iso_outline outline;
+        ISO_TRY(iso_outline_make(&space, brush->tool, &images[i], touch->path, touch->path_count, &outline,
+                                 error));
+        status = touch_outline(editor, brush, &outline, stats, error);
+        iso_outline_free(&outline);
+    }
+    return status;
+}
+
 int iso_editor_ranges(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                       iso_cell_box ranges[ISO_EDITOR_RANGES]) {
     enum { RINGS = 2 };
     iso_dabs dabs;
+    if (iso_tool_is_trim(brush->tool)) {
+        for (int axis = 0; axis < 3; axis++) {
+            ranges[0].lo[axis] = 0;
+            ranges[0].hi[axis] = editor->transaction.grid->cells[axis] - 1;
+        }
+        return 1;
+    }
     make_dabs(editor, brush, touch, &dabs);
     for (int i = 0; i < dabs.count; i++) {
         cell_range(editor, &dabs, &dabs.dab[i], ranges[i].lo, ranges[i].hi);
@@ -494,10 +600,15 @@ int iso_editor_ranges(const iso_editor *editor, const iso_brush *brush, const is
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                             iso_edit_stats *stats, iso_error *error) {
     ISO_TRY(check_touch(editor, brush, touch, error));
-    iso_dabs dabs;
-    make_dabs(editor, brush, touch, &dabs);
     iso_edit_stats made = {0};
     iso_status status = ISO_OK;
+    if (iso_tool_is_trim(brush->tool)) {
+        status = trim(editor, brush, touch, &made, error);
+        if (status == ISO_OK && stats) *stats = made;
+        return status;
+    }
+    iso_dabs dabs;
+    make_dabs(editor, brush, touch, &dabs);
     if (brush->tool == ISO_TOOL_MASK || brush->tool == ISO_TOOL_UNMASK)
         status = touch_mask(editor, &dabs, error);
     else if (iso_tool_is_whole_mask(brush->tool))
@@ -565,7 +676,13 @@ static void correct_creases(void *context, size_t index, int worker) {
 static iso_status finalize_cells(iso_editor *editor, iso_error *error) {
     iso_transaction *transaction = &editor->transaction;
     bool any;
-    ISO_TRY(list_notified(editor, &editor->notified_cells, editor->notified_count, error));
+    const uint32_t *notified = editor->notified_cells.data;
+    for (size_t i = 0; i < editor->notified_count; i++) {
+        int at[3];
+        if (transaction->grid->cell[notified[i]] < 0) continue; /* distances at the band's end stay there */
+        iso_hgrid_cell_position(transaction->grid, notified[i], at);
+        ISO_TRY(iso_transaction_add(transaction, at, true, error));
+    }
     ISO_TRY(iso_transaction_reserve(transaction, error));
     iso_parallel_for(transaction->pool, transaction->cell_count, correct_creases, editor);
     if (iso_transaction_failed(transaction))

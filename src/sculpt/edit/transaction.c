@@ -246,6 +246,14 @@ void iso_transaction_accept_scratch(iso_transaction *transaction, size_t number,
     transaction->workers[worker].brick = NULL;
 }
 
+void iso_transaction_empty(iso_transaction *transaction, size_t number) {
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number);
+    const float *before = iso_transaction_grid_values(transaction, edit_cell->state);
+    float *outside = transaction->constant[0]; /* (not written where nothing is frozen) */
+    edit_cell->edited = transaction->dab->find_changes(before, NULL, outside, &edit_cell->changed);
+    if (edit_cell->edited) edit_cell->value[transaction->current] = outside;
+}
+
 /* Removes the cells that the brush did not change from the list. */
 static void drop_unchanged(iso_transaction *transaction) {
     size_t kept = 0;

@@ -329,7 +329,7 @@ static iso_status follow(iso_versions *v, const iso_stroke *stroke,
     iso_pen pen = {.touch = touch, .context = v};
     ISO_TRY(iso_pen_begin(&pen, &stroke->brush, &stroke->samples[0], error));
     for (size_t i = 1; i < stroke->count; i++) ISO_TRY(iso_pen_move(&pen, &stroke->samples[i], error));
-    return ISO_OK;
+    return iso_pen_end(&pen, stroke->samples, stroke->count, error);
 }
 
 /* Brings all that a stroke can read to this place of the new list. */

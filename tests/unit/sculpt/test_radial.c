@@ -1,5 +1,6 @@
-/* Radial symmetry: images turned around an axis, alone and with mirror planes; the same bytes for every number
- * of threads, replayed and edited; dabs that are left out of bricks that they do not reach change nothing. */
+/* Radial symmetry: images turned around an axis, alone and with mirror planes; the same bytes for every
+ * number of threads, replayed and edited; dabs that are left out of bricks that they do not reach change
+ * nothing. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -95,9 +96,9 @@ static void images_are_a_group(void **state) {
 
 /* ---- symmetric fields */
 
-/* Half a turn permutes voxels: the bits are equal. (Rescaling, after a blend, and planes through many places sum in
- * another order: there the last ones are not.) So does a quarter turn, but redistancing works by rows along x: only near the surface its results
- * are alike. */
+/* Half a turn permutes voxels: the bits are equal. (Rescaling, after a blend, and planes through many places
+ * sum in another order: there the last ones are not.) So does a quarter turn, but redistancing works by rows
+ * along x: only near the surface its results are alike. */
 static void half_and_quarter_turns_are_exact(void **state) {
     (void)state;
     static const struct {
@@ -295,7 +296,7 @@ static void far_dabs_change_nothing(void **state) {
         brush.symmetry = next_seed(&seed) % 8;
         iso_sample sample = {.normal = {0.6, 0, 0.8}, .pressure = 1};
         sample.position = iso_vec3_make(next_seed(&seed) % 40, next_seed(&seed) % 40, next_seed(&seed) % 40);
-        const iso_touch touch = {sample, sample, sample};
+        const iso_touch touch = {.sample = sample, .previous = sample, .first = sample};
         iso_dabs_make(&(iso_dab_space){.affine = &affine, .spacing = 1, .band = 3}, &brush, &touch, &dabs);
         const int brick[3] = {(int)(next_seed(&seed) % 5) - 2, (int)(next_seed(&seed) % 5) - 2,
                               (int)(next_seed(&seed) % 5) - 2};
