@@ -137,7 +137,8 @@ ISO_API iso_status iso_sculpt_begin(iso_sculpt *sculpt, const iso_brush *brush, 
 /* Adds a sample to the stroke. ISO_ERR_USAGE: an invalid sample, or no stroke is in progress. */
 ISO_API iso_status iso_sculpt_sample(iso_sculpt *sculpt, const iso_sample *sample, iso_edit_stats *stats,
                                      iso_error *error);
-/* Ends the stroke, which becomes one step of the undo history. ISO_ERR_USAGE: no stroke is in progress. */
+/* Ends the stroke, which becomes one step of the undo history. ISO_ERR_USAGE: no stroke is in progress; or
+ * the one that is trims, and outlines nothing: it goes on, and can be cancelled. */
 ISO_API iso_status iso_sculpt_end(iso_sculpt *sculpt, iso_error *error);
 /* Cancels the stroke: the field is again as it was before it. ISO_ERR_USAGE: no stroke is in progress. */
 ISO_API iso_status iso_sculpt_cancel(iso_sculpt *sculpt, iso_error *error);

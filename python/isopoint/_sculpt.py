@@ -26,11 +26,12 @@ _FALLOFFS = {name.lower(): getattr(lib, "ISO_FALLOFF_" + name) for name in ("SMO
 class Brush:
     """A brush. `tool`: "add", "carve", "blend-add", "blend-carve", "smooth", "inflate", "deflate", "flatten",
     "scrape", "fill", "clay", "pinch", "crease", "snake-hook", "move", "mask", "unmask", "clear-mask", "invert-mask",
-    "paint", "trim-plane", "trim-lasso" or "crop-lasso" (`Sculpt.trim`); `shape` of the first four: "sphere", "box", "capsule",
+    "paint", "trim-plane", "trim-lasso" or "crop-lasso"; `shape` of the first four: "sphere", "box", "capsule",
     "cylinder", "torus" or "stamp". Sizes in mm; `aspect` and `spacing` in radii; 0 means the usual. `symmetry`: "x",
     "yz" .., mirrored at planes through `mirror`; `radial`: that many images (2 to 32), turned around the `radial_axis`
-    through it. `color`: "#rrggbb", of the surface that "paint", the first four,
-    "inflate", "fill" and "clay" make; None: it has no paint."""
+    through it. `color`: "#rrggbb", of the surface that "paint", the first four, "inflate", "fill" and "clay" make; None: it
+    has no paint. The last three tools act when the stroke ends: they remove what is to the right of the line from its first
+    position to its last, in the outline of its positions, or outside of that, for a viewer whom its normals point to."""
     radius: float
     tool: str = "add"
     shape: str = "sphere"
@@ -123,7 +124,7 @@ class Sculpt:
     def stroke(self, brush: Brush, positions: Any, normals: Any = None, *,
                pressures: Union[float, Iterable[float]] = 1.0) -> int:
         """One stroke along positions (n, 3), mm; `normals`: unit vectors out of the solid, z by default. Returns the number
-        of bricks that it edited. A stroke that fails or is interrupted leaves nothing behind."""
+        of bricks that it edited while it was drawn. A stroke that fails or is interrupted leaves nothing behind."""
         at = np.atleast_2d(np.asarray(positions, float))
         up = np.broadcast_to(np.asarray((0, 0, 1) if normals is None else normals, float), at.shape)
         weights = np.broadcast_to(np.asarray(pressures, float), at.shape[:1])
@@ -145,13 +146,6 @@ class Sculpt:
                 lib.iso_sculpt_cancel(self._handle, ffi.NULL)
                 raise
         return int(stats.edited)
-
-    def trim(self, positions: Any, normals: Any, *, crop: bool = False, blend: float = 0.0) -> None:
-        """Removes what positions (n, 3), mm, outline for a viewer whom `normals` point to: two make a line, on whose right
-        everything goes; more a lasso, in which everything goes, or, with `crop`, outside of which. Parallel normals extend it
-        as a prism, normals towards one point (the eye of a camera) as a pyramid. `blend`, mm, rounds the edges."""
-        tool = "crop-lasso" if crop else "trim-lasso" if len(np.atleast_2d(positions)) > 2 else "trim-plane"
-        self.stroke(Brush(1.0, tool, blend=blend), positions, normals)
 
     @property
     def strokes(self) -> "list[Stroke]":

@@ -130,7 +130,7 @@ static void draw_selected(const isosculpt_screen *screen, ImDrawList *list, floa
         const iso_stroke *stroke = iso_stroke_find(strokes, number);
         if (!stroke || stroke->brush.tool >= ISO_TOOL_CLEAR_MASK) continue;
         draw_path(screen, list, stroke->samples, stroke->count, color, scale);
-        if (editor->first != editor->last) continue;
+        if (editor->first != editor->last || iso_tool_is_trim(stroke->brush.tool)) continue;
         for (const iso_sample *end : {&stroke->samples[0], &stroke->samples[stroke->count - 1]})
             draw_ring(screen, list, end->position, end->normal, editor->brush.radius, color, scale);
     }

@@ -202,11 +202,12 @@ static void edit_solid(const iso_dabs *dabs, const int brick[3], const iso_local
         outline_distances(dabs->outline, brick, distances);
     else if (made)
         stamp_distances(dabs, local, distances);
+    const int solids = made ? 0 : local->count;
     const bool carve = dabs->tool == ISO_TOOL_CARVE || dabs->tool == ISO_TOOL_BLEND_CARVE;
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
             vf s = made ? v_load(distances + row * ISO_BRICK + x) : v_set(INFINITY);
-            for (int i = 0; i < local->count && !made; i++) {
+            for (int i = 0; i < solids; i++) {
                 const vf_vector p = position_from_dab(&local->dab[i], row, x);
                 s = v_min(s, solid_distance(dabs, &local->dab[i], &p));
             }

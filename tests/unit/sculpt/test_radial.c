@@ -320,6 +320,102 @@ static void far_dabs_change_nothing(void **state) {
     assert_true(left_out > 1000 && reached > 1000);
 }
 
+/* Only images that are apart have the seams of single touches (far_value_of of edit.c). */
+static void images_are_apart_or_not(void **state) {
+    (void)state;
+    static iso_dabs dabs;
+    const iso_transform transform = iso_transform_identity();
+    const iso_affine affine = iso_transform_affine(&transform);
+    uint32_t seed = 17;
+    int apart = 0;
+    for (int round = 0; round < 2000; round++) {
+        iso_brush brush = make_brush(ISO_TOOL_ADD, 2 + next_seed(&seed) % 31, "xyz"[round % 3]);
+        iso_sample sample = {.normal = {0.6, 0, 0.8}, .pressure = 1};
+        brush.radius = 2 + next_seed(&seed) % 20;
+        brush.shape = (iso_solid)(next_seed(&seed) % ISO_SOLID_STAMP);
+        brush.symmetry = next_seed(&seed) % 8;
+        sample.position = iso_vec3_make(next_seed(&seed) % 90, next_seed(&seed) % 90, next_seed(&seed) % 90);
+        const iso_touch touch = {.sample = sample, .previous = sample, .first = sample};
+        iso_dabs_make(&(iso_dab_space){.affine = &affine, .spacing = 1, .band = 3}, &brush, &touch, &dabs);
+        double least = INFINITY;
+        for (int i = 0; i < dabs.count; i++)
+            for (int k = 0; k < i; k++) {
+                const double *a = dabs.dab[i].centre, *b = dabs.dab[k].centre;
+                least = fmin(least, iso_vec3_length(iso_vec3_make(a[0] - b[0], a[1] - b[1], a[2] - b[2])));
+            }
+        const double reach = 2 * iso_dabs_influence(&dabs);
+        if (least < reach) assert_false(dabs.apart);
+        if (least > reach + 3) assert_true(dabs.apart);
+        apart += dabs.apart;
+    }
+    assert_true(apart > 100 && apart < 1900);
+}
+
+/* Where a voxel of a drag with all its dabs is sampled, in double precision. */
+static void follow_back(const iso_dabs *dabs, const double at[3], double shift[3]) {
+    const int steps = iso_dabs_steps(dabs);
+    for (int k = 0; k < 3; k++) shift[k] = 0;
+    for (int step = 0; step < steps; step++) {
+        double sum[3] = {0}, weights = 0, most = 0;
+        for (int i = 0; i < dabs->count; i++) {
+            const iso_dab *dab = &dabs->dab[i];
+            double square = 0;
+            for (int k = 0; k < 3; k++) {
+                const double path = dab->from[k] - dab->centre[k],
+                             d = at[k] + shift[k] - dab->centre[k] - (step + 0.5) / steps * path;
+                square += d * d;
+            }
+            const double t = sqrt(square) / (double)dabs->radius_voxels,
+                         w = t < 1 ? (1 - t * t) * (1 - t * t) * (double)dabs->strength : 0;
+            for (int k = 0; k < 3; k++) sum[k] += w * (dab->from[k] - dab->centre[k]) / steps;
+            weights += w;
+            most = fmax(most, w);
+        }
+        const double factor = !dabs->radial ? 1 : weights > 0 ? most / weights : 0;
+        for (int k = 0; k < 3; k++) shift[k] += factor * sum[k];
+    }
+}
+
+/* A drag may carry a voxel from the reach of one image into that of another, which then must not be left out.
+ */
+static void drags_reach_other_images(void **state) {
+    (void)state;
+    static iso_dabs dabs;
+    static iso_warp warp;
+    const iso_dab_kernel *kernel = iso_dab_kernel_get(iso_cpu_best());
+    const iso_transform transform = iso_transform_identity();
+    const iso_affine affine = iso_transform_affine(&transform);
+    uint32_t seed = 3;
+    double worst = 0;
+    int carried = 0;
+    for (int round = 0; round < 400; round++) {
+        iso_brush brush = make_brush(ISO_TOOL_MOVE, round % 2 ? 2 + next_seed(&seed) % 8 : 0, 'z');
+        iso_sample first = {.normal = {0, 0, 1}, .pressure = 1}, last = first;
+        int numbers[ISO_DAB_MAX];
+        brush.radius = 4 + next_seed(&seed) % 4;
+        brush.strength = 1;
+        brush.symmetry = brush.radial ? 0 : 3;
+        /* away from the axis, so that following back leads to where other images begin */
+        first.position = iso_vec3_make(next_seed(&seed) % 5 - 2.0, 1 + next_seed(&seed) % 4, 8);
+        last.position = iso_vec3_make(next_seed(&seed) % 9 - 4.0, 8.0 + next_seed(&seed) % 16, 8);
+        const iso_touch touch = {.sample = last, .previous = first, .first = first};
+        iso_dabs_make(&(iso_dab_space){.affine = &affine, .spacing = 1, .band = 3}, &brush, &touch, &dabs);
+        const int brick[3] = {(int)(next_seed(&seed) % 3) - 1, (int)(next_seed(&seed) % 4) - 1, 0};
+        carried += iso_dabs_find_near(&dabs, brick, numbers) < dabs.count;
+        kernel->warp(&dabs, brick, &warp);
+        for (int i = 0; i < ISO_BRICK_VOXELS; i += 37) {
+            const int v[3] = {i % ISO_BRICK, i / ISO_BRICK % ISO_BRICK, i / ISO_BRICK_ROWS};
+            const double at[3] = {16.0 * brick[0] + v[0], 16.0 * brick[1] + v[1], 16.0 * brick[2] + v[2]};
+            double shift[3];
+            follow_back(&dabs, at, shift);
+            for (int k = 0; k < 3; k++)
+                worst = fmax(worst, fabs((double)warp.position[k][i] - v[k] - shift[k]));
+        }
+    }
+    print_message("drags differ by at most %.2g voxel; of %d bricks dabs were left out\n", worst, carried);
+    assert_true(worst < 0.05 && carried > 20);
+}
+
 static iso_editor *make_editor(iso_hgrid *grid) {
     const iso_editor_opts opts = {.pool = NULL};
     const iso_step_opts step = {.stamp = NULL};
@@ -370,11 +466,34 @@ static void images_apart_act_as_touches_of_their_own(void **state) {
     }
 }
 
+/* Images that overlap leave a distance field, as a single touch does. */
+static void overlapping_images_leave_distances(void **state) {
+    (void)state;
+    static const iso_tool tools[] = {ISO_TOOL_ADD, ISO_TOOL_CARVE, ISO_TOOL_INFLATE, ISO_TOOL_BLEND_CARVE};
+    for (size_t t = 0; t < sizeof tools / sizeof *tools; t++) {
+        iso_session *session = open_session(NULL, NULL);
+        iso_brush brush = make_brush(tools[t], 9, 'z');
+        const uint64_t begun = iso_change_log_now(iso_session_grid(session)->log);
+        draw(session, &brush, (iso_vec3[]){{1.5, 1, 9.4}, {2.5, 1.5, 9}, {4, 2, 8.6}}, 3);
+        const sculpt_quality q = sculpt_measure(iso_session_grid(session), begun);
+        print_message("%s: | |g| - 1 | mean %.4f, foot points p99 %.3f, %zu of %zu clamped\n",
+                      iso_tool_name(tools[t]), q.gradient_mean, q.foot_p99, q.clamped, q.voxels);
+        assert_true(q.voxels > 500 && q.clamped == 0 && q.gradient_mean < 0.05 && q.foot_p99 < 0.3);
+        iso_session_destroy(session);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(images_are_a_group),      cmocka_unit_test(half_and_quarter_turns_are_exact),
-        cmocka_unit_test(other_turns_are_near),    cmocka_unit_test(images_on_the_axis_act_once),
-        cmocka_unit_test(far_dabs_change_nothing), cmocka_unit_test(images_apart_act_as_touches_of_their_own),
-        cmocka_unit_test(threads_give_the_same),   cmocka_unit_test(replay_and_edits_give_the_same)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(images_are_a_group),
+                                       cmocka_unit_test(half_and_quarter_turns_are_exact),
+                                       cmocka_unit_test(other_turns_are_near),
+                                       cmocka_unit_test(images_on_the_axis_act_once),
+                                       cmocka_unit_test(far_dabs_change_nothing),
+                                       cmocka_unit_test(images_apart_act_as_touches_of_their_own),
+                                       cmocka_unit_test(drags_reach_other_images),
+                                       cmocka_unit_test(overlapping_images_leave_distances),
+                                       cmocka_unit_test(images_are_apart_or_not),
+                                       cmocka_unit_test(threads_give_the_same),
+                                       cmocka_unit_test(replay_and_edits_give_the_same)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -296,6 +296,30 @@ static void symmetry_trims_both_sides(void **state) {
     iso_session_destroy(session);
 }
 
+/* What is frozen stays when all around it is removed. */
+static void frozen_voxels_stay(void **state) {
+    (void)state;
+    iso_session *session = open_session(NULL, NULL);
+    const iso_sample top = {.position = {0, 0, 9}, .normal = Z, .pressure = 1};
+    iso_sample path[4];
+    assert_int_equal(draw(session, &(iso_brush){.tool = ISO_TOOL_MASK, .radius = 5}, &top, 1, NULL), ISO_OK);
+    iso_hgrid *before = sculpt_copy(iso_session_grid(session));
+    rectangle(0, 0, 15, 0, path);
+    assert_int_equal(draw(session, &(iso_brush){.tool = ISO_TOOL_TRIM_LASSO, .radius = 1}, path, 4, NULL),
+                     ISO_OK);
+    int frozen = 0;
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const int at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+        const bool kept = iso_session_masked(session, at[0], at[1], at[2]),
+                   inside = iso_hgrid_at(iso_session_grid(session), at[0], at[1], at[2]) < 0;
+        assert_int_equal(inside, kept && iso_hgrid_at(before, at[0], at[1], at[2]) < 0);
+        frozen += inside;
+    }
+    assert_true(frozen > 1000);
+    iso_hgrid_destroy(before);
+    iso_session_destroy(session);
+}
+
 /* ---- the same bytes */
 
 static void draw_some(iso_session *session) {
@@ -417,11 +441,15 @@ static void nothing_outlined_is_refused(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(distances_are_exact),        cmocka_unit_test(kernels_agree),
-        cmocka_unit_test(plane_halves_a_ball),        cmocka_unit_test(trim_and_crop_make_a_whole),
-        cmocka_unit_test(cuts_have_distances),        cmocka_unit_test(blends_round_the_edge),
-        cmocka_unit_test(symmetry_trims_both_sides),  cmocka_unit_test(replay_and_edits_give_the_same),
-        cmocka_unit_test(nothing_outlined_is_refused)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(distances_are_exact),
+                                       cmocka_unit_test(kernels_agree),
+                                       cmocka_unit_test(plane_halves_a_ball),
+                                       cmocka_unit_test(trim_and_crop_make_a_whole),
+                                       cmocka_unit_test(cuts_have_distances),
+                                       cmocka_unit_test(blends_round_the_edge),
+                                       cmocka_unit_test(symmetry_trims_both_sides),
+                                       cmocka_unit_test(frozen_voxels_stay),
+                                       cmocka_unit_test(replay_and_edits_give_the_same),
+                                       cmocka_unit_test(nothing_outlined_is_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
