@@ -31,6 +31,11 @@ typedef enum iso_tool {
     ISO_TOOL_CLEAR_MASK,  /* at a stroke's first sample: unfreezes all voxels, wherever the sample is */
     ISO_TOOL_INVERT_MASK, /* the same: freezes what is not frozen, and unfreezes the rest */
     ISO_TOOL_PAINT,       /* lays the brush's colour over the surface; without a colour: takes paint away */
+    /* The last three act when the stroke ends, by what its samples outline for a viewer whom their normals
+     * point to: parallel normals extend the outline as a prism, normals towards one point as a pyramid. */
+    ISO_TOOL_TRIM_PLANE, /* removes what lies to the right of the line from the first sample to the last */
+    ISO_TOOL_TRIM_LASSO, /* removes what lies within the outline, which needs three samples */
+    ISO_TOOL_CROP_LASSO, /* removes what lies outside of it */
     ISO_TOOL_COUNT
 } iso_tool;
 
@@ -54,7 +59,8 @@ typedef enum iso_falloff {
 } iso_falloff;
 
 /* A brush. Members that are 0 mean: tool add, sphere, smooth falloff, full strength (for tools with a
- * strength), aspect 0.5, blend and spacing 0.25 of the radius, no symmetry. The radius must be set. */
+ * strength), aspect 0.5, blend and spacing 0.25 of the radius, no symmetry. The radius must be set. With both
+ * symmetries each image is mirrored, too. Where radial images overlap, they act as one of their mean. */
 typedef struct iso_brush {
     iso_tool tool;
     iso_solid shape;
@@ -66,6 +72,8 @@ typedef struct iso_brush {
     double spacing;         /* distance between touches along the stroke, in radii */
     unsigned symmetry;      /* bit a: mirrored at the plane through `mirror` perpendicular to axis a */
     iso_vec3 mirror;        /* a point in the world, mm */
+    unsigned radial;        /* 2 .. 32: images, each turned by a further 1 / radial of a turn; 0, 1: none */
+    char radial_axis;       /* 'x', 'y' or 'z' (0: 'z'): what they turn around, through `mirror` */
     bool pressure_radius;   /* pressure scales the radius */
     bool pressure_strength; /* pressure scales the strength */
     bool has_color;         /* the surface that PAINT, the first four tools, INFLATE, FILL and CLAY make .. */
@@ -130,7 +138,8 @@ ISO_API iso_status iso_sculpt_begin(iso_sculpt *sculpt, const iso_brush *brush, 
 /* Adds a sample to the stroke. ISO_ERR_USAGE: an invalid sample, or no stroke is in progress. */
 ISO_API iso_status iso_sculpt_sample(iso_sculpt *sculpt, const iso_sample *sample, iso_edit_stats *stats,
                                      iso_error *error);
-/* Ends the stroke, which becomes one step of the undo history. ISO_ERR_USAGE: no stroke is in progress. */
+/* Ends the stroke, which becomes one step of the undo history. ISO_ERR_USAGE: no stroke is in progress; or
+ * the one that is trims, and outlines nothing: it goes on, and can be cancelled. */
 ISO_API iso_status iso_sculpt_end(iso_sculpt *sculpt, iso_error *error);
 /* Cancels the stroke: the field is again as it was before it. ISO_ERR_USAGE: no stroke is in progress. */
 ISO_API iso_status iso_sculpt_cancel(iso_sculpt *sculpt, iso_error *error);

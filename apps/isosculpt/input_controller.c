@@ -4,6 +4,7 @@
 #include "sculpt/brush/dab.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Factors: zoom of a step of the wheel, radius of a key press and of a pixel of dragging with X; strength
  * that is added by a pixel of dragging with C. */
@@ -17,11 +18,12 @@ static const double CLICK_PIXELS = 2;
 static const struct {
     iso_tool tool;
     char key;
-} tools[ISOSCULPT_TOOLS] = {{ISO_TOOL_ADD, '1'},    {ISO_TOOL_CARVE, '2'},      {ISO_TOOL_BLEND_ADD, '3'},
-                            {ISO_TOOL_SMOOTH, '4'}, {ISO_TOOL_INFLATE, '5'},    {ISO_TOOL_FLATTEN, '6'},
-                            {ISO_TOOL_PINCH, '7'},  {ISO_TOOL_MOVE, '8'},       {ISO_TOOL_MASK, '9'},
-                            {ISO_TOOL_CLAY, '0'},   {ISO_TOOL_SCRAPE, 't'},     {ISO_TOOL_FILL, 'l'},
-                            {ISO_TOOL_CREASE, 'w'}, {ISO_TOOL_SNAKE_HOOK, 'j'}, {ISO_TOOL_PAINT, 'p'}};
+} tools[ISOSCULPT_TOOLS] = {{ISO_TOOL_ADD, '1'},        {ISO_TOOL_CARVE, '2'},      {ISO_TOOL_BLEND_ADD, '3'},
+                            {ISO_TOOL_SMOOTH, '4'},     {ISO_TOOL_INFLATE, '5'},    {ISO_TOOL_FLATTEN, '6'},
+                            {ISO_TOOL_PINCH, '7'},      {ISO_TOOL_MOVE, '8'},       {ISO_TOOL_MASK, '9'},
+                            {ISO_TOOL_CLAY, '0'},       {ISO_TOOL_SCRAPE, 't'},     {ISO_TOOL_FILL, 'l'},
+                            {ISO_TOOL_CREASE, 'w'},     {ISO_TOOL_SNAKE_HOOK, 'j'}, {ISO_TOOL_PAINT, 'p'},
+                            {ISO_TOOL_TRIM_PLANE, 'b'}, {ISO_TOOL_TRIM_LASSO, 'a'}};
 
 iso_tool isosculpt_controller_tool(int number) {
     return tools[number].tool;
@@ -36,8 +38,8 @@ iso_tool isosculpt_controller_modified_tool(iso_tool tool, unsigned modifiers) {
         {ISO_TOOL_ADD, ISO_TOOL_CARVE},       {ISO_TOOL_BLEND_ADD, ISO_TOOL_BLEND_CARVE},
         {ISO_TOOL_INFLATE, ISO_TOOL_DEFLATE}, {ISO_TOOL_FILL, ISO_TOOL_SCRAPE},
         {ISO_TOOL_CLAY, ISO_TOOL_SCRAPE}, /* (scraping is inverted above) */
-        {ISO_TOOL_MASK, ISO_TOOL_UNMASK}};
-    if (modifiers & ISOSCULPT_MODIFIER_SHIFT) return ISO_TOOL_SMOOTH;
+        {ISO_TOOL_MASK, ISO_TOOL_UNMASK},     {ISO_TOOL_TRIM_LASSO, ISO_TOOL_CROP_LASSO}};
+    if (modifiers & ISOSCULPT_MODIFIER_SHIFT && !iso_tool_is_trim(tool)) return ISO_TOOL_SMOOTH;
     if (!(modifiers & (ISOSCULPT_MODIFIER_CTRL | ISOSCULPT_MODIFIER_ALT))) return tool;
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
         for (int side = 0; side < 2; side++)
@@ -162,7 +164,7 @@ static bool cancel_unfinished_stroke(isosculpt_controller *controller) {
 
 bool isosculpt_tool_has_color(iso_tool tool) {
     return iso_tool_is_set_operation(tool) || tool == ISO_TOOL_PAINT || tool == ISO_TOOL_INFLATE ||
-           tool == ISO_TOOL_FILL || tool == ISO_TOOL_CLAY;
+           tool == ISO_TOOL_FILL || tool == ISO_TOOL_CLAY || iso_tool_is_trim(tool);
 }
 
 void isosculpt_controller_pick_color(isosculpt_controller *controller) {
@@ -259,8 +261,80 @@ static void end_drawing(isosculpt_controller *controller, bool cancel) {
     cancel_unfinished_stroke(controller);
     if (status == ISO_OK && !cancel)
         status = isosculpt_stroke_editor_place(&controller->document->strokes, session, &controller->error);
-    if (controller->brush.symmetry) controller->surface_box = isosculpt_viewport_bounds(controller->viewport);
+    if (controller->brush.symmetry || iso_brush_is_radial(&controller->brush))
+        controller->surface_box = isosculpt_viewport_bounds(controller->viewport);
     finish_edit(controller, status, &stats);
+}
+
+/* ---- outlines */
+
+/* Adds a place of the pointer: of a line its end, of a lasso one more when it has moved far enough. A lasso
+ * with too many places keeps every second one. */
+static void extend_outline(isosculpt_controller *controller, double x, double y) {
+    const double step = 3 * controller->scale;
+    isosculpt_outline *o = &controller->outline;
+    if (controller->brush.tool == ISO_TOOL_TRIM_PLANE && o->count > 1) o->count = 1;
+    if (o->count && hypot(x - o->at[o->count - 1][0], y - o->at[o->count - 1][1]) < step) return;
+    if (o->count == ISOSCULPT_OUTLINE_POINTS) {
+        o->count /= 2;
+        for (int i = 0; i < o->count; i++) memcpy(o->at[i], o->at[2 * i], sizeof o->at[i]);
+    }
+    o->at[o->count][0] = x;
+    o->at[o->count++][1] = y;
+}
+
+static void begin_outline(isosculpt_controller *controller, unsigned modifiers, double x, double y) {
+    controller->drag = ISOSCULPT_DRAG_OUTLINE;
+    controller->press_modifiers = modifiers;
+    controller->outline.count = 0;
+    extend_outline(controller, x, y);
+}
+
+/* The sample of a place: a point behind it, and the direction from there to the viewer. */
+static iso_sample outline_sample(const isosculpt_controller *controller, const double at[2]) {
+    const iso_view *view = &controller->viewport->drawn.view;
+    const double samples = controller->viewport->drawn.samples;
+    iso_vec3 origin, direction;
+    iso_view_ray(view, samples * at[0], samples * at[1], &origin, &direction);
+    const iso_vec3 middle =
+        iso_vec3_scale(iso_vec3_add(controller->surface_box.lo, controller->surface_box.hi), 0.5);
+    const double depth =
+        iso_vec3_dot(iso_vec3_sub(middle, origin), direction) / iso_vec3_dot(direction, direction);
+    return (iso_sample){.position = iso_vec3_add(origin, iso_vec3_scale(direction, depth)),
+                        .normal = iso_vec3_scale(iso_vec3_unit(direction), -1),
+                        .pressure = 1,
+                        .seconds = iso_clock_seconds() - controller->document->start_seconds};
+}
+
+/* Draws the outline as a stroke. What outlines nothing is no stroke: a click, a lasso without an inside. */
+static void end_outline(isosculpt_controller *controller) {
+    const isosculpt_outline *o = &controller->outline;
+    const bool line = controller->brush.tool == ISO_TOOL_TRIM_PLANE,
+               reversed =
+                   line && controller->press_modifiers & (ISOSCULPT_MODIFIER_CTRL | ISOSCULPT_MODIFIER_ALT);
+    iso_edit_stats stats = {0};
+    controller->drag = ISOSCULPT_DRAG_NONE;
+    if (o->count < (line ? 2 : 3) || !(controller->viewport->drawn.samples > 0) ||
+        !cancel_unfinished_stroke(controller))
+        return;
+    controller->tool =
+        isosculpt_controller_modified_tool(controller->brush.tool, controller->press_modifiers);
+    const iso_brush brush = stroke_brush(controller, controller->press_modifiers);
+    controller->surface_box = isosculpt_viewport_bounds(controller->viewport);
+    iso_sample sample = outline_sample(controller, o->at[reversed ? o->count - 1 : 0]);
+    iso_status status = begin_stroke(controller, &brush, &sample, &stats);
+    const bool begun = status == ISO_OK;
+    for (int i = 1; i < o->count && status == ISO_OK; i++) {
+        sample = outline_sample(controller, o->at[reversed ? o->count - 1 - i : i]);
+        status = controller->queueing
+                     ? isosculpt_strokes_add(&controller->queued_strokes, &sample, &controller->error)
+                     : iso_session_sample(controller->document->session, &sample, &stats, &controller->error);
+    }
+    if (begun) isosculpt_stroke_editor_select(&controller->document->strokes, 0, 0);
+    if (begun) end_drawing(controller, status != ISO_OK);
+    const iso_grid *grid = &controller->viewport->grid;
+    controller->emptied = begun && !controller->queueing && !iso_hgrid_brick_count(grid->hgrid);
+    if (!begun) finish_edit(controller, status, &stats);
 }
 
 static iso_status apply_stroke(isosculpt_controller *controller, const isosculpt_stroke *stroke,
@@ -390,6 +464,8 @@ void isosculpt_controller_press(isosculpt_controller *controller, isosculpt_butt
     const isosculpt_cut_part handle = isosculpt_controller_handle(controller);
     if (button == ISOSCULPT_BUTTON_RIGHT)
         controller->drag = ISOSCULPT_DRAG_PAN;
+    else if (brush && !handle && iso_tool_is_trim(controller->brush.tool))
+        begin_outline(controller, modifiers, x, y);
     else if (button == ISOSCULPT_BUTTON_LEFT && handle)
         controller->drag = handle == ISOSCULPT_CUT_TIP || modifiers & ISOSCULPT_MODIFIER_SHIFT
                                ? ISOSCULPT_DRAG_TILT
@@ -443,6 +519,7 @@ void isosculpt_controller_move(isosculpt_controller *controller, double x, doubl
     if (controller->adjusting && !controller->drag) adjust_brush(controller, dx);
     if (controller->drag == ISOSCULPT_DRAG_SELECT) begin_when_moved(controller);
     if (controller->drag == ISOSCULPT_DRAG_BRUSH) continue_drawing(controller, x, y, false);
+    if (controller->drag == ISOSCULPT_DRAG_OUTLINE) extend_outline(controller, x, y);
     if (controller->drag == ISOSCULPT_DRAG_ORBIT) isosculpt_viewport_orbit(controller->viewport, dx, dy);
     if (controller->drag == ISOSCULPT_DRAG_PAN) isosculpt_viewport_pan(controller->viewport, dx, dy);
     if (controller->drag == ISOSCULPT_DRAG_PLANE || controller->drag == ISOSCULPT_DRAG_TILT)
@@ -456,6 +533,7 @@ void isosculpt_controller_release(isosculpt_controller *controller, isosculpt_bu
         continue_drawing(controller, controller->x, controller->y, true);
         end_drawing(controller, false);
     }
+    if (controller->drag == ISOSCULPT_DRAG_OUTLINE) end_outline(controller);
     if (controller->drag == ISOSCULPT_DRAG_SELECT) select_stroke(controller);
     controller->drag = ISOSCULPT_DRAG_NONE;
 }
@@ -616,6 +694,8 @@ static bool handle_brush_key(isosculpt_controller *controller, int key, unsigned
                                             &controller->error);
     else if (key == ISOSCULPT_KEY_ESCAPE && controller->drag == ISOSCULPT_DRAG_BRUSH)
         end_drawing(controller, true);
+    else if (key == ISOSCULPT_KEY_ESCAPE && controller->drag == ISOSCULPT_DRAG_OUTLINE)
+        controller->drag = ISOSCULPT_DRAG_NONE;
     else
         return choose_tool(controller, key);
     return true;

@@ -38,9 +38,10 @@ typedef enum isosculpt_drag {
     ISOSCULPT_DRAG_BRUSH,
     ISOSCULPT_DRAG_ORBIT,
     ISOSCULPT_DRAG_PAN,
-    ISOSCULPT_DRAG_PLANE, /* moves the plane that cuts (viewport/cut.h) */
-    ISOSCULPT_DRAG_TILT,  /* tilts it */
-    ISOSCULPT_DRAG_SELECT /* Alt on the surface: a stroke when the pointer moves, else selects one */
+    ISOSCULPT_DRAG_PLANE,  /* moves the plane that cuts (viewport/cut.h) */
+    ISOSCULPT_DRAG_TILT,   /* tilts it */
+    ISOSCULPT_DRAG_SELECT, /* Alt on the surface: a stroke when the pointer moves, else selects one */
+    ISOSCULPT_DRAG_OUTLINE /* outlines what a tool that trims removes */
 } isosculpt_drag;
 
 /* Commands for the window, as bits of isosculpt_controller.commands. */
@@ -53,6 +54,13 @@ typedef enum isosculpt_command {
     ISOSCULPT_COMMAND_SAVE_AS = 16, /* save to a name that the user chooses */
     ISOSCULPT_COMMAND_OPEN = 32     /* open a file that the user chooses */
 } isosculpt_command;
+
+/* The path of the pointer while it outlines what is removed, in pixels of the picture. */
+enum { ISOSCULPT_OUTLINE_POINTS = 1024 };
+typedef struct isosculpt_outline {
+    double at[ISOSCULPT_OUTLINE_POINTS][2];
+    int count;
+} isosculpt_outline;
 
 typedef struct isosculpt_controller {
     isosculpt_document *document; /* borrowed */
@@ -72,7 +80,8 @@ typedef struct isosculpt_controller {
 
     double press_x, press_y; /* ISOSCULPT_DRAG_SELECT: where it began, and with which modifier keys */
     unsigned press_modifiers;
-    bool brush_held; /* the panel's brush is being changed: a stroke gets it when this is over */
+    isosculpt_outline outline; /* ISOSCULPT_DRAG_OUTLINE */
+    bool brush_held;           /* the panel's brush is being changed: a stroke gets it when this is over */
 
     bool viewing_volume; /* a volume is shown: there is no field that a brush could change */
     bool field_pending;  /* the volume is to become a field, or becomes one: strokes are queued until then */
@@ -83,6 +92,7 @@ typedef struct isosculpt_controller {
                                large as it */
     bool stroke_unfinished; /* the last stroke could not be ended: there was no memory */
     bool edited;            /* the field was changed; the window clears this when it has said what it says */
+    bool emptied;           /* the last stroke has removed all that there was */
     bool clipped;           /* a brush reached beyond the grid, and what it made there is lost */
     unsigned commands;      /* isosculpt_command bits; the window clears those that it has carried out */
     isosculpt_latency edit; /* times of touches */
@@ -90,7 +100,7 @@ typedef struct isosculpt_controller {
 } isosculpt_controller;
 
 /* The tools that keys and buttons choose, and the key of each; number: 0 .. ISOSCULPT_TOOLS - 1. */
-enum { ISOSCULPT_TOOLS = 15 };
+enum { ISOSCULPT_TOOLS = 17 };
 iso_tool isosculpt_controller_tool(int number);
 char isosculpt_controller_tool_key(int number);
 /* Returns the tool of a stroke with modifier keys: Shift smooths, Ctrl or Alt inverts. */

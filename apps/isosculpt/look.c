@@ -16,11 +16,12 @@ void isosculpt_look_write(const isosculpt_controller *controller, char text[ISOS
     const iso_brush *brush = &controller->brush;
     snprintf(text, ISOSCULPT_LOOK,
              "method=%s;light=%s;color=%02X%02X%02X;background=%02X%02X%02X;tool=%s;radius=%.17g;"
-             "strength=%.17g;symmetry=%u;mirror=%.17g,%.17g,%.17g;paint=%02X%02X%02X;",
+             "strength=%.17g;symmetry=%u;mirror=%.17g,%.17g,%.17g;radial=%u%c;paint=%02X%02X%02X;",
              iso_method_name(mode->method), isosculpt_shading_name(mode->material.shading), color.r, color.g,
              color.b, background.r, background.g, background.b, iso_tool_name(brush->tool), brush->radius,
              brush->strength, brush->symmetry, brush->mirror.x, brush->mirror.y, brush->mirror.z,
-             brush->color.r, brush->color.g, brush->color.b);
+             brush->radial, 'x' + iso_brush_radial_axis(brush), brush->color.r, brush->color.g,
+             brush->color.b);
 }
 
 /* ---- reading */
@@ -80,16 +81,22 @@ static void apply_mirror(isosculpt_controller *controller, const char *value) {
         controller->brush.mirror = at;
 }
 
+static void apply_radial(isosculpt_controller *controller, const char *value) {
+    char *end;
+    const unsigned long radial = strtoul(value, &end, 10);
+    if (radial <= ISO_RADIAL_MOST) controller->brush.radial = (unsigned)radial;
+    if (*end >= 'x' && *end <= 'z') controller->brush.radial_axis = *end;
+}
+
 /* Applies the setting NAME=VALUE. */
 static void apply_setting(isosculpt_controller *controller, const char *name, const char *value) {
     static const struct {
         const char *name;
         void (*apply)(isosculpt_controller *controller, const char *value);
-    } settings[] = {{"method", apply_method},     {"light", apply_light},
-                    {"color", apply_color},       {"background", apply_background},
-                    {"tool", apply_tool},         {"radius", apply_radius},
-                    {"strength", apply_strength}, {"symmetry", apply_symmetry},
-                    {"mirror", apply_mirror},     {"paint", apply_paint}};
+    } settings[] = {{"method", apply_method},         {"light", apply_light},       {"color", apply_color},
+                    {"background", apply_background}, {"tool", apply_tool},         {"radius", apply_radius},
+                    {"strength", apply_strength},     {"symmetry", apply_symmetry}, {"mirror", apply_mirror},
+                    {"radial", apply_radial},         {"paint", apply_paint}};
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
         if (strcmp(name, settings[i].name) == 0) settings[i].apply(controller, value);
 }

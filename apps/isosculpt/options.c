@@ -59,8 +59,9 @@ static const iso_option options[] = {
     {"edit", NULL, "STROKES:KEY=VALUE,...",
      "before the result is written, give strokes of --replay another brush; STROKES is a number or two (12 "
      "or 30-40, counted from 1 as they begin), KEY is tool, shape, falloff, radius, strength, aspect, blend, "
-     "spacing, color (#RRGGBB, or none), symmetry (xz), pressure-radius or pressure-strength (on); these "
-     "edits are made in the order in which they are given",
+     "spacing, color (#RRGGBB, or none), symmetry (xz), radial (6z: six images around z), mirror (X/Y/Z, a "
+     "point of the planes and the axis), pressure-radius or pressure-strength (on); these edits are made in "
+     "the order in which they are given",
      .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_edit, .flags = ISO_OPTION_REPEATABLE},
     {"delete", NULL, "STROKES", "remove strokes", .group = SESSION, .kind = ISO_OPTION_CALL,
      .apply = apply_delete, .flags = ISO_OPTION_REPEATABLE},

@@ -2,6 +2,7 @@
 #include "apps/isosculpt/stroke_edits.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,6 +42,32 @@ static iso_status parse_symmetry(const char *text, unsigned *symmetry, iso_error
     return ISO_OK;
 }
 
+/* N, which may be followed by the axis; none. */
+static iso_status parse_radial(const char *text, iso_brush *brush, iso_error *error) {
+    char *end = (char *)text;
+    brush->radial = 0;
+    if (strcmp(text, "none") == 0) return ISO_OK;
+    const unsigned long count = text[0] >= '0' && text[0] <= '9' ? strtoul(text, &end, 10) : 0;
+    const bool axis = *end >= 'x' && *end <= 'z';
+    if (count < 1 || count > ISO_RADIAL_MOST || end[axis])
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "radial: '%s' is neither a number of images, 1 to %d (6, or 6z with its axis), nor none", text,
+            ISO_RADIAL_MOST);
+    brush->radial = (unsigned)count;
+    if (axis) brush->radial_axis = *end;
+    return ISO_OK;
+}
+
+/* Three coordinates, mm. (Commas separate the changes of a brush.) */
+static iso_status parse_mirror(const char *text, iso_vec3 *mirror, iso_error *error) {
+    int used = 0;
+    const int found = sscanf(text, "%lf/%lf/%lf%n", &mirror->x, &mirror->y, &mirror->z, &used);
+    return found == 3 && !text[used] && isfinite(mirror->x + mirror->y + mirror->z)
+               ? ISO_OK
+               : iso_fail(error, ISO_ERR_USAGE, "mirror: '%s' is not X/Y/Z, in mm", text);
+}
+
 static iso_status parse_brush_color(const char *text, iso_brush *brush, iso_error *error) {
     uint8_t rgb[3];
     brush->has_color = strcmp(text, "none") != 0;
@@ -68,13 +95,15 @@ static iso_status change_brush(const char *key, const char *value, iso_brush *br
     if (strcmp(key, "falloff") == 0) return iso_falloff_find(value, &brush->falloff, error);
     if (strcmp(key, "color") == 0) return parse_brush_color(value, brush, error);
     if (strcmp(key, "symmetry") == 0) return parse_symmetry(value, &brush->symmetry, error);
+    if (strcmp(key, "mirror") == 0) return parse_mirror(value, &brush->mirror, error);
+    if (strcmp(key, "radial") == 0) return parse_radial(value, brush, error);
     if (strcmp(key, "pressure-radius") == 0) return parse_switch(key, value, &brush->pressure_radius, error);
     if (strcmp(key, "pressure-strength") == 0)
         return parse_switch(key, value, &brush->pressure_strength, error);
     return iso_fail(
         error, ISO_ERR_USAGE,
         "'%s' is none of tool, shape, falloff, radius, strength, aspect, blend, spacing, color, symmetry, "
-        "pressure-radius, pressure-strength",
+        "mirror, radial, pressure-radius, pressure-strength",
         key);
 }
 

@@ -14,20 +14,24 @@ from ._volume import Volume
 
 _TOOLS = {name.replace("_", "-").lower(): getattr(lib, "ISO_TOOL_" + name) for name in
           ("ADD", "CARVE", "BLEND_ADD", "BLEND_CARVE", "SMOOTH", "INFLATE", "DEFLATE", "FLATTEN", "SCRAPE", "FILL",
-           "CLAY", "PINCH", "CREASE", "SNAKE_HOOK", "MOVE", "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK", "PAINT")}
+           "CLAY", "PINCH", "CREASE", "SNAKE_HOOK", "MOVE", "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK", "PAINT",
+           "TRIM_PLANE", "TRIM_LASSO", "CROP_LASSO")}
 _SOLIDS = {name.lower(): getattr(lib, "ISO_SOLID_" + name) for name in
            ("SPHERE", "BOX", "CAPSULE", "CYLINDER", "TORUS", "STAMP")}
+_AXES = {axis: axis.encode() for axis in "xyz"}
 _FALLOFFS = {name.lower(): getattr(lib, "ISO_FALLOFF_" + name) for name in ("SMOOTH", "LINEAR", "CONSTANT")}
 
 
 @dataclass
 class Brush:
     """A brush. `tool`: "add", "carve", "blend-add", "blend-carve", "smooth", "inflate", "deflate", "flatten",
-    "scrape", "fill", "clay", "pinch", "crease", "snake-hook", "move", "mask", "unmask", "clear-mask", "invert-mask"
-    or "paint"; `shape` of the first four: "sphere", "box", "capsule",
+    "scrape", "fill", "clay", "pinch", "crease", "snake-hook", "move", "mask", "unmask", "clear-mask", "invert-mask",
+    "paint", "trim-plane", "trim-lasso" or "crop-lasso"; `shape` of the first four: "sphere", "box", "capsule",
     "cylinder", "torus" or "stamp". Sizes in mm; `aspect` and `spacing` in radii; 0 means the usual. `symmetry`: "x",
-    "yz" .., mirrored at planes through `mirror`. `color`: "#rrggbb", of the surface that "paint", the first four,
-    "inflate", "fill" and "clay" make; None: it has no paint."""
+    "yz" .., mirrored at planes through `mirror`; `radial`: that many images (2 to 32), turned around the `radial_axis`
+    through it. `color`: "#rrggbb", of the surface that "paint", the first four, "inflate", "fill" and "clay" make; None: it
+    has no paint. The last three tools act when the stroke ends: they remove what is to the right of the line from its first
+    position to its last, in the outline of its positions, or outside of that, for a viewer whom its normals point to."""
     radius: float
     tool: str = "add"
     shape: str = "sphere"
@@ -41,6 +45,8 @@ class Brush:
     pressure_radius: bool = False
     pressure_strength: bool = False
     color: Optional[Color] = None
+    radial: int = 0
+    radial_axis: str = "z"
 
     @classmethod
     def _of(cls, b: Any) -> "Brush":
@@ -49,7 +55,8 @@ class Brush:
         return cls(b.radius, name(_TOOLS, b.tool), name(_SOLIDS, b.shape), name(_FALLOFFS, b.falloff), b.strength, b.aspect,
                    b.blend, b.spacing, "".join(a for i, a in enumerate("xyz") if b.symmetry >> i & 1),
                    (b.mirror.x, b.mirror.y, b.mirror.z), b.pressure_radius, b.pressure_strength,
-                   "#%02x%02x%02x" % (b.color.r, b.color.g, b.color.b) if b.has_color else None)
+                   "#%02x%02x%02x" % (b.color.r, b.color.g, b.color.b) if b.has_color else None,
+                   b.radial, (b.radial_axis if b.radial_axis != b"\0" else b"z").decode())
 
     def _made(self) -> Any:
         return ffi.new("iso_brush *", {
@@ -58,7 +65,8 @@ class Brush:
             "aspect": self.aspect, "blend": self.blend, "spacing": self.spacing, "mirror": vec3(self.mirror, "mirror"),
             "symmetry": sum(1 << "xyz".index(a) for a in set(self.symmetry)), "pressure_radius": self.pressure_radius,
             "pressure_strength": self.pressure_strength, "has_color": self.color is not None,
-            "color": rgb(self.color or "000000")[0]})
+            "color": rgb(self.color or "000000")[0], "radial": self.radial, "radial_axis": one_of(_AXES, self.radial_axis,
+                                                                                                 "radial_axis")})
 
 
 @dataclass(frozen=True)
@@ -116,7 +124,7 @@ class Sculpt:
     def stroke(self, brush: Brush, positions: Any, normals: Any = None, *,
                pressures: Union[float, Iterable[float]] = 1.0) -> int:
         """One stroke along positions (n, 3), mm; `normals`: unit vectors out of the solid, z by default. Returns the number
-        of bricks that it edited. A stroke that fails or is interrupted leaves nothing behind."""
+        of bricks that it edited while it was drawn. A stroke that fails or is interrupted leaves nothing behind."""
         at = np.atleast_2d(np.asarray(positions, float))
         up = np.broadcast_to(np.asarray((0, 0, 1) if normals is None else normals, float), at.shape)
         weights = np.broadcast_to(np.asarray(pressures, float), at.shape[:1])
@@ -132,7 +140,11 @@ class Sculpt:
             except BaseException:
                 lib.iso_sculpt_cancel(self._handle, ffi.NULL)
                 raise
-            call(lib.iso_sculpt_end, self._handle)
+            try:
+                call(lib.iso_sculpt_end, self._handle)
+            except BaseException:
+                lib.iso_sculpt_cancel(self._handle, ffi.NULL)
+                raise
         return int(stats.edited)
 
     @property

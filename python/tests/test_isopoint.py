@@ -377,6 +377,28 @@ class Sculpting(unittest.TestCase):
             again = isopoint.Sculpt.replay(f"{folder}/a.strokes")
             self.assertTrue((again.surface.render(size=(64, 64)).array == picture).all())
 
+    def test_radial_and_trim(self):
+        """Six images are six strokes; a plane halves a ball; what outlines nothing is refused and leaves nothing behind."""
+        ball = isopoint.Sculpt(shape=(96, 96, 96), radius=30)
+        whole = ball.surface.measure()["volume"]
+        ball.stroke(isopoint.Brush(4), [[30, 2, 5]])
+        one = ball.surface.measure()["volume"] - whole
+        ball.undo()
+        brush = isopoint.Brush(4, radial=6, radial_axis="y")
+        ball.stroke(brush, [[30, 2, 5]])
+        self.assertEqual(ball.strokes[0].brush, brush)
+        self.assertAlmostEqual((ball.surface.measure()["volume"] - whole) / (6 * one), 1, 1)
+        ball.undo()
+        ball.stroke(isopoint.Brush(1, "trim-plane"), [[0, -9, 0], [0, 9, 0]], [0, 0, 1])
+        self.assertAlmostEqual(ball.surface.measure()["volume"] / whole, 0.5, 2)
+        with self.assertRaises(isopoint.UsageError):
+            ball.stroke(isopoint.Brush(1, "trim-lasso"), [[0, -9, 0], [0, 9, 0]], [0, 0, 1])
+        self.assertEqual(ball.undo_count, 1)
+        with self.assertRaises(isopoint.UsageError):
+            ball.stroke(isopoint.Brush(4, radial=33), [[30, 2, 5]])
+        with self.assertRaises(isopoint.UsageError):
+            ball.stroke(isopoint.Brush(4, radial=3, radial_axis="w"), [[30, 2, 5]])
+
     def test_edits(self):
         """Edits of past strokes give what drawing the edited strokes gives."""
         def field(*strokes):

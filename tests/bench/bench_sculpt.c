@@ -91,7 +91,7 @@ static iso_status run_touch(const sculpt_plan *plan, sculpting *work, bench_samp
     iso_brush brush = {.tool = ISO_TOOL_ADD, .radius = plan->radius * work->grid->transform.spacing[0]};
     iso_sample s = {
         .position = iso_affine_point(&affine, next_centre(work, plan)), .normal = {0, 0, 1}, .pressure = 1};
-    iso_touch touch = {s, s, s};
+    iso_touch touch = {.sample = s, .previous = s, .first = s};
     if (work->step == 0) {
         ISO_TRY(iso_history_begin(work->history, "stroke", error));
         iso_step_opts step = iso_history_step_opts(work->history);

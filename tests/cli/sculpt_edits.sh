@@ -18,7 +18,9 @@ s.write("group.strokes", a + b + [{"event": "group", "stroke": 1, "last": 2, "gr
 for name, event in {"none": {"event": "mute", "stroke": 9}, "zero": {"event": "delete", "stroke": 0},
                     "backwards": {"event": "mute", "stroke": 3, "last": 1}, "huge": {"event": "unmute", "stroke": 1, "last": 1 << 60},
                     "itself": {"event": "move", "stroke": 1, "last": 2, "before": 2}, "brush": {"event": "edit", "stroke": 1},
-                    "radius": {"event": "edit", "stroke": 1, "brush": s.brush(radius=-1.0)}, "text": {"event": "move", "stroke": "1"},
+                    "radius": {"event": "edit", "stroke": 1, "brush": s.brush(radius=-1.0)},
+                    "radial": {"event": "edit", "stroke": 1, "brush": s.brush(radial=33, radial_axis="z")},
+                    "axis": {"event": "edit", "stroke": 1, "brush": s.brush(radial=6, radial_axis="w")}, "text": {"event": "move", "stroke": "1"},
                     "nameless": {"event": "group", "stroke": 1}, "drawing": None}.items():
     s.write(name + ".bad", a + b + c + ([event] if event else a[:2] + [{"event": "mute", "stroke": 1}]))
 P
@@ -39,6 +41,26 @@ play abc moved --move 2:end
 cmp moved.ply acb.ply
 play acb back --move 3:2
 cmp back.ply abc.ply
+# radial symmetry: given afterwards, it is that of a file that has it
+python3 - <<'P'
+import strokes as s
+stroke = lambda **brush: [s.begin({"at": [12.0, 2.0, 19.0]}, **brush), {"event": "end"}]
+s.write("plain.strokes", stroke(radius=5.0))
+s.write("radial.strokes", stroke(radius=5.0, radial=6, radial_axis="y", symmetry=2))
+s.write("two.strokes", stroke(radius=5.0, radial=2, radial_axis="z"))
+P
+play radial radial
+play plain given --edit 1:radial=6y,symmetry=y --save-strokes given.strokes
+cmp given.ply radial.ply
+grep -q '"radial":6,"radial_axis":"y"' given.strokes
+play given taken --edit 1:radial=none,symmetry=none
+play plain plain
+cmp taken.ply plain.ply
+play two turned
+play plain turned2 --edit 1:radial=2
+cmp turned.ply turned2.ply
+play plain moved2 --edit 1:radial=2,mirror=5/0/0
+! cmp -s turned.ply moved2.ply
 play abc both --edit 1-3:radius=4,strength=.5,symmetry=xz --group 1-2:ears --save-strokes both.strokes
 play both both2 --json=both.json
 cmp both.ply both2.ply

@@ -132,7 +132,7 @@ iso_vec3 sculpt_pick(const iso_hgrid *grid, iso_vec3 centre, iso_vec3 direction)
 
 iso_edit_stats sculpt_touch(iso_editor *editor, const iso_brush *brush, iso_vec3 at, iso_vec3 normal) {
     iso_sample sample = {.position = at, .normal = normal, .pressure = 1};
-    iso_touch touch = {sample, sample, sample};
+    iso_touch touch = {.sample = sample, .previous = sample, .first = sample};
     iso_edit_stats stats;
     iso_error error = {0};
     if (iso_editor_touch(editor, brush, &touch, &stats, &error) != ISO_OK) fail_msg("%s", error.text);

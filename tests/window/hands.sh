@@ -153,7 +153,7 @@ picture small
 cmp small.png again.png || fail "undone, it is not framed as before"
 
 # ---- the mirror: its plane is in the middle of the object (110, 10, 10) and shown as a line; strokes act on both sides
-symmetry() { press 90 274; whole_window mirror; look color "$work/mirror.png" 255 120 110 320,0,1280,800 100; }
+symmetry() { press 72 274; whole_window mirror; look color "$work/mirror.png" 255 120 110 320,0,1280,800 100; }
 until_ "the mirror's line" symmetry
 read -r x0 y0 x1 y1 <<<"$(box_of small)"
 look color mirror.png 255 120 110 $((PANEL + (x0 + x1) / 2 - 3)),"$y0",$((PANEL + (x0 + x1) / 2 + 3)),"$y1" 100 || fail "the line is not in the middle"

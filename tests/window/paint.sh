@@ -89,7 +89,7 @@ until_ "the mesh" title_is 'painted.ply'
 head -1 "$journal" | grep -q '"colors":true' || fail "the journal does not say that the session began with colours"
 picture opened
 has_color opened.png 216 72 40 400,300,576,500 400 || fail "the mesh has no colours in the window"
-key a
+key 1
 stroke 600 400 80 0
 until_ "a stroke" has_events end 1
 picture covered

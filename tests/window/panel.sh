@@ -130,7 +130,7 @@ key ctrl+z ctrl+i
 picture inverted_again
 cmp inverted.png inverted_again.png || fail "inverted again: another picture"
 until_ "the button that inverts" inverts
-clears() { press 220 301; picture none; ! differ free none; }
+clears() { press 140 301; picture none; ! differ free none; }
 until_ "the button that clears" clears
 tools | grep -q "invert-mask .*clear-mask .*invert-mask .*clear-mask " || fail "the mask in the stroke file: $(tools)"
 "$bin/isosculpt" --replay "$journal" --headless --quiet --json=replay.json || fail "strokes that change the mask do not play"
@@ -152,7 +152,7 @@ chooses_light() { # the third one of the list
     grep -q 'light=matcap pearl' "$journal.open"
 }
 until_ "another light" chooses_light
-symmetric() { press 96 273; whole_window mirror; look color mirror.png 255 120 110 320,0,1280,800 100; }
+symmetric() { press 72 273; whole_window mirror; look color mirror.png 255 120 110 320,0,1280,800 100; }
 until_ "a mirror" symmetric
 key f
 picture look

@@ -156,6 +156,8 @@ static void show_edit_message(window *w) {
     isosculpt_controller *controller = &w->controller;
     if (controller->error.text[0])
         isosculpt_window_set_status(w, true, controller->error.text);
+    else if (controller->emptied)
+        isosculpt_window_set_status(w, true, "Nothing is left of the object. Ctrl+Z brings it back.");
     else if (controller->clipped)
         isosculpt_window_set_status(w, true, clipped);
     else if (controller->edited && strcmp(w->screen.message, clipped) == 0)
@@ -164,7 +166,7 @@ static void show_edit_message(window *w) {
         isosculpt_window_set_status(w, false, "No stroke made the surface there: the session began with it.");
     w->document.strokes.found_none = false;
     controller->error.text[0] = 0;
-    controller->clipped = controller->edited = false;
+    controller->clipped = controller->edited = controller->emptied = false;
 }
 
 /* Before a viewed volume is saved, it is converted into a field. If that fails or is cancelled, nothing is

@@ -11,6 +11,7 @@
     X("Shift+1, 3, 7", "look from the front, right, top (number pad: without Shift)")                        \
     X("Ctrl+1, 3, 7", "look from the back, left, bottom (number pad, too)")                                  \
     X("1 .. 9, 0, T, L, W, J, P", "brushes; picking one makes a volume a field to sculpt")                   \
+    X("B, A", "trim by a line, by a lasso: drag over the picture; with Alt the other side of it")            \
     X("Shift + left drag", "smooth")                                                                         \
     X("Alt or Ctrl + left drag", "the brush, inverted")                                                      \
     X("Alt + click on the surface", "select the stroke that made it, to change it (Strokes, in the panel)")  \

@@ -29,7 +29,7 @@ static void adopt_document(window *w) {
                                                                object */
         w->controller.brush = brush;
         w->controller.brush.mirror = middle;
-        w->controller.brush.symmetry = 0;
+        w->controller.brush.symmetry = w->controller.brush.radial = 0;
         w->controller.brush.radius = brush.radius / before * voxel;
     }
     if (w->document.look[0]) isosculpt_look_apply(&w->controller, w->document.look); /* it is recovered */
@@ -138,6 +138,8 @@ iso_status isosculpt_window_open_first(window *w, iso_error *error) {
 static void apply_queued_strokes(window *w, const iso_brush *brush, isosculpt_strokes *queued) {
     w->controller.brush.symmetry = brush->symmetry;
     w->controller.brush.mirror = brush->mirror;
+    w->controller.brush.radial = brush->radial;
+    w->controller.brush.radial_axis = brush->radial_axis;
     isosculpt_controller_apply_strokes(&w->controller, queued);
 }
 

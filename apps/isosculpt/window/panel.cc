@@ -85,37 +85,69 @@ static void choose_color(iso_brush *brush) {
     ImGui::EndDisabled();
 }
 
-/* The widgets for the mirror planes and their positions, and the colour. */
+/* The widget for the number of radial images, before that for the colour. */
+static void choose_radial(iso_brush *brush) {
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x, side = ImGui::GetFrameHeight();
+    static const int least = 1, most = ISO_RADIAL_MOST;
+    int count = iso_brush_is_radial(brush) ? (int)brush->radial : 1;
+    ImGui::SameLine(0, gap);
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionMax().x - 2 * (side + gap) - ImGui::GetCursorPosX());
+    if (ImGui::DragScalar("##radial", ImGuiDataType_S32, &count, 0.1f, &least, &most, "\xc3\x97%d",
+                          ImGuiSliderFlags_AlwaysClamp))
+        brush->radial = (unsigned)count;
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("Radial symmetry: each touch acts at so many places around an axis.\n"
+                          "Drag sideways, or double-click and type.");
+}
+
+/* The button for the axis that radial images are turned around. */
+static void choose_axis(iso_brush *brush) {
+    const int axis = iso_brush_radial_axis(brush);
+    const char name[] = {(char)('x' + axis), '#', '#', 'r', 0};
+    ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
+    if (ImGui::Button(name)) brush->radial_axis = (char)('x' + (axis + 1) % 3);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The axis of the radial symmetry.");
+}
+
+/* Whether a coordinate of the brush's mirror matters. */
+static bool has_centre(const iso_brush *brush, int axis) {
+    return brush->symmetry >> axis & 1 ||
+           (iso_brush_is_radial(brush) && iso_brush_radial_axis(brush) != axis);
+}
+
+/* The widgets for the symmetries and where their planes and axis are, and the colour. */
 static void choose_mirror(isosculpt_controller *controller, iso_brush *brush) {
     ImGui::AlignTextToFramePadding();
-    ImGui::TextUnformatted("symmetry");
+    ImGui::TextUnformatted("mirror");
     for (unsigned axis = 0; axis < 3; axis++) {
         const char name[2] = {(char)('x' + axis), 0};
-        ImGui::SameLine();
+        ImGui::SameLine(0, axis ? ImGui::GetStyle().ItemInnerSpacing.x : -1);
         ImGui::CheckboxFlags(name, &brush->symmetry, 1u << axis);
     }
-    if (brush->symmetry) {
-        ImGui::SameLine();
-        if (ImGui::Button("centre")) isosculpt_controller_center_mirror(controller);
-        if (ImGui::IsItemHovered()) ImGui::SetTooltip("the planes pass through the middle of the object");
-    }
+    choose_radial(brush);
     choose_color(brush);
-    if (!brush->symmetry) return;
+    if (!brush->symmetry && !iso_brush_is_radial(brush)) return;
     double *const at[] = {&brush->mirror.x, &brush->mirror.y, &brush->mirror.z};
     const float speed = (float)(0.5 * controller->document->start.voxel_size);
-    const float inner = ImGui::GetStyle().ItemInnerSpacing.x,
-                width = (ImGui::CalcItemWidth() - 2 * inner) / 3;
+    const float inner = ImGui::GetStyle().ItemInnerSpacing.x, padding = ImGui::GetStyle().FramePadding.x,
+                buttons = ImGui::CalcTextSize(iso_brush_is_radial(brush) ? "centrez" : "centre").x +
+                          (iso_brush_is_radial(brush) ? 4 * padding + 2 * inner : 2 * padding + inner),
+                width = (ImGui::GetContentRegionAvail().x - buttons - 2 * inner) / 3;
     for (int axis = 0; axis < 3; axis++) {
         ImGui::PushID(axis);
         if (axis) ImGui::SameLine(0, inner);
         ImGui::SetNextItemWidth(width);
-        ImGui::BeginDisabled(!(brush->symmetry >> axis & 1));
+        ImGui::BeginDisabled(!has_centre(brush, axis));
         ImGui::DragScalar("##mirror", ImGuiDataType_Double, at[axis], speed, nullptr, nullptr, "%.5g");
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("where the planes and the axis are, mm");
         ImGui::EndDisabled();
         ImGui::PopID();
     }
     ImGui::SameLine(0, inner);
-    ImGui::TextUnformatted("at, mm");
+    if (ImGui::Button("centre")) isosculpt_controller_center_mirror(controller);
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("the planes and the axis pass through the middle of the object");
+    if (iso_brush_is_radial(brush)) choose_axis(brush);
 }
 
 /* A brush of the panel: the label of its button, and what it does. */
@@ -137,32 +169,41 @@ static const brush_button BRUSHES[ISOSCULPT_TOOLS] = {
     {"fill", "Fills what is lower than the surface around it.\nAlt: scrapes."},
     {"crease", "Digs a sharp groove along the stroke."},
     {"hook", "Draws a horn or a tentacle out of the surface, along the pointer's path."},
-    {"paint", "Lays the colour over the surface.\nAlt: takes paint away."}};
+    {"paint", "Lays the colour over the surface.\nAlt: takes paint away."},
+    {"line", "Removes what is on the right of a line that is drawn over the picture.\nAlt: on the left."},
+    {"lasso", "Removes what lies within a line that is drawn around it.\nAlt: what lies outside."}};
+/* The first so many are in a grid, the others beside the buttons for the mask. */
+enum { BRUSHES_IN_GRID = 15 };
+
+/* The button of a tool; width 0: as wide as its label. */
+static void choose_tool(isosculpt_controller *controller, iso_brush *brush, int number, float width) {
+    const bool chosen = brush->tool == isosculpt_controller_tool(number), own = brush == &controller->brush;
+    const char key = isosculpt_controller_tool_key(number), shown = (char)toupper(key);
+    char label[32];
+    snprintf(label, sizeof label, width > 0 ? "%c  %s" : "%c %s", shown, BRUSHES[number].label);
+    if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_CheckMark));
+    if (ImGui::Button(label, ImVec2(width, 0))) {
+        if (own)
+            isosculpt_controller_key(controller, key, 0, true);
+        else
+            brush->tool = isosculpt_controller_tool(number);
+    }
+    if (chosen) ImGui::PopStyleColor();
+    if (ImGui::IsItemHovered() && own) ImGui::SetTooltip("%s\nKey: %c", BRUSHES[number].tip, shown);
+}
 
 static void choose_brush(isosculpt_controller *controller, iso_brush *brush) {
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x,
                 width = (ImGui::GetContentRegionAvail().x - 2 * gap) / 3;
-    for (int i = 0; i < ISOSCULPT_TOOLS; i++) {
-        const bool chosen = brush->tool == isosculpt_controller_tool(i), own = brush == &controller->brush;
-        const char key = isosculpt_controller_tool_key(i), shown = (char)toupper(key);
-        char label[32];
-        snprintf(label, sizeof label, "%c  %s", shown, BRUSHES[i].label);
+    for (int i = 0; i < BRUSHES_IN_GRID; i++) {
         if (i % 3) ImGui::SameLine(0, gap);
-        if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_CheckMark));
-        if (ImGui::Button(label, ImVec2(width, 0))) {
-            if (own)
-                isosculpt_controller_key(controller, key, 0, true);
-            else
-                brush->tool = isosculpt_controller_tool(i);
-        }
-        if (chosen) ImGui::PopStyleColor();
-        if (ImGui::IsItemHovered() && own) ImGui::SetTooltip("%s\nKey: %c", BRUSHES[i].tip, shown);
+        choose_tool(controller, brush, i, width);
     }
 }
 
-/* The buttons for the whole mask. */
-static void change_mask(isosculpt_controller *controller) {
-    const button_row row("Invert maskClear mask", 2);
+/* The buttons for the whole mask, and for trimming. */
+static void change_mask(isosculpt_controller *controller, iso_brush *brush) {
+    const button_row row("Invert maskClear maskB lineA lasso", 4);
     if (ImGui::Button("Invert mask")) isosculpt_controller_change_mask(controller, ISO_TOOL_INVERT_MASK);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Freezes what is free, and frees the rest.\nKey: Ctrl+I");
     row.next();
@@ -170,6 +211,10 @@ static void change_mask(isosculpt_controller *controller) {
     if (ImGui::Button("Clear mask")) isosculpt_controller_change_mask(controller, ISO_TOOL_CLEAR_MASK);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Frees everything.\nKey: Alt+M");
     ImGui::EndDisabled();
+    for (int i = BRUSHES_IN_GRID; i < ISOSCULPT_TOOLS; i++) {
+        row.next();
+        choose_tool(controller, brush, i, 0);
+    }
 }
 
 /* `own`: it is the brush of strokes to come. The strength of a past stroke that adds or removes a solid is in
@@ -182,7 +227,7 @@ static void choose_strength(iso_brush *brush, bool own) {
                         ImGuiSliderFlags_AlwaysClamp);
     ImGui::EndDisabled();
     if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
-        ImGui::SetTooltip("%s", !isosculpt_tool_has_strength(brush->tool) ? "A mask has no strength."
+        ImGui::SetTooltip("%s", !isosculpt_tool_has_strength(brush->tool) ? "It has no strength."
                                 : in_path ? "How high it is built up, or how deep it is carved, is in\n"
                                             "the path of a stroke."
                                 : isosculpt_tool_has_shape(brush->tool)
@@ -207,7 +252,7 @@ static void draw_brush_section(const isosculpt_screen *screen) {
     choose_strength(brush, own);
     choose_shape(brush, stamp);
     choose_mirror(controller, brush);
-    change_mask(controller);
+    change_mask(controller, brush);
     controller->brush_held = !own && ImGui::IsAnyItemActive();
     if (!screen->pen) return;
     ImGui::AlignTextToFramePadding();

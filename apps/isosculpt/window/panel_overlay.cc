@@ -39,7 +39,13 @@ void panel_draw_brush(const isosculpt_screen *screen, float scale) {
     const isosculpt_controller *controller = screen->controller;
     isosculpt_pick pick;
     double x, y;
-    if (!isosculpt_controller_pick(controller, &pick)) return;
+    if (iso_tool_is_trim(controller->brush.tool) || !isosculpt_controller_pick(controller, &pick)) return;
+    static iso_brush_image images[ISO_IMAGES_MOST];
+    const int count = iso_brush_images(&controller->brush, images);
+    for (int i = 1; i < count; i++)
+        draw_ring(screen, list, iso_brush_image_point(&images[i], pick.position),
+                  iso_brush_image_direction(&images[i], pick.normal), controller->brush.radius,
+                  IM_COL32(255, 255, 255, 110), scale);
     draw_ring(screen, list, pick.position, pick.normal, controller->brush.radius,
               IM_COL32(255, 255, 255, 230), scale);
     iso_vec3 tip = iso_vec3_add(pick.position, iso_vec3_scale(pick.normal, 0.4 * controller->brush.radius));
@@ -79,6 +85,22 @@ static void draw_plane(const isosculpt_screen *screen, ImDrawList *list, int axi
     list->AddPolyline(corners, 4, AXIS_COLORS[axis], ImDrawFlags_Closed, scale);
 }
 
+/* Draws the axis of a radial symmetry, a little longer than the box of the surface. */
+static void draw_axis(const isosculpt_screen *screen, ImDrawList *list, const iso_brush *brush, float scale) {
+    const iso_vec3 lo = screen->controller->surface_box.lo, hi = screen->controller->surface_box.hi;
+    const double low[] = {lo.x, lo.y, lo.z}, high[] = {hi.x, hi.y, hi.z};
+    const isosculpt_pick_buffer *buffer = &screen->controller->viewport->drawn;
+    const int axis = iso_brush_radial_axis(brush);
+    const double more = 0.12 * (high[axis] - low[axis]);
+    double p[] = {brush->mirror.x, brush->mirror.y, brush->mirror.z}, x[2], y[2];
+    for (int end = 0; end < 2; end++) {
+        p[axis] = end ? high[axis] + more : low[axis] - more;
+        if (!isosculpt_pick_buffer_pixel(buffer, iso_vec3_make(p[0], p[1], p[2]), &x[end], &y[end])) return;
+    }
+    list->AddLine(to_window(screen, x[0], y[0]), to_window(screen, x[1], y[1]), AXIS_COLORS[axis],
+                  1.5f * scale);
+}
+
 /* Draws the path of a stroke. */
 static void draw_path(const isosculpt_screen *screen, ImDrawList *list, const iso_sample *samples,
                       size_t count, ImU32 color, float scale) {
@@ -108,7 +130,7 @@ static void draw_selected(const isosculpt_screen *screen, ImDrawList *list, floa
         const iso_stroke *stroke = iso_stroke_find(strokes, number);
         if (!stroke || stroke->brush.tool >= ISO_TOOL_CLEAR_MASK) continue;
         draw_path(screen, list, stroke->samples, stroke->count, color, scale);
-        if (editor->first != editor->last) continue;
+        if (editor->first != editor->last || iso_tool_is_trim(stroke->brush.tool)) continue;
         for (const iso_sample *end : {&stroke->samples[0], &stroke->samples[stroke->count - 1]})
             draw_ring(screen, list, end->position, end->normal, editor->brush.radius, color, scale);
     }
@@ -157,6 +179,30 @@ static void draw_cut(const isosculpt_screen *screen, ImDrawList *list, float sca
     list->AddCircle(at, grip, dark, 0, 1.5f * scale);
 }
 
+/* Draws what outlines a part that is to be removed: a lasso with the line that closes it, or a line with
+ * ticks on the side that goes. */
+static void draw_outline(const isosculpt_screen *screen, ImDrawList *list, float scale) {
+    const isosculpt_controller *controller = screen->controller;
+    const isosculpt_outline *o = &controller->outline;
+    const ImU32 color = IM_COL32(255, 190, 90, 255), dark = IM_COL32(0, 0, 0, 140);
+    static ImVec2 corners[ISOSCULPT_OUTLINE_POINTS];
+    const bool line = controller->brush.tool == ISO_TOOL_TRIM_PLANE;
+    for (int i = 0; i < o->count; i++) corners[i] = to_window(screen, o->at[i][0], o->at[i][1]);
+    const ImDrawFlags closed = line ? ImDrawFlags_None : ImDrawFlags_Closed;
+    list->AddPolyline(corners, o->count, dark, closed, 3.5f * scale);
+    list->AddPolyline(corners, o->count, color, closed, 1.5f * scale);
+    if (!line || o->count < 2) return;
+    const float x = corners[1].x - corners[0].x, y = corners[1].y - corners[0].y,
+                length = std::sqrt(x * x + y * y), tick = 8 * scale;
+    const bool left = controller->press_modifiers & (ISOSCULPT_MODIFIER_CTRL | ISOSCULPT_MODIFIER_ALT);
+    const ImVec2 aside(left ? y / length * tick : -y / length * tick,
+                       left ? -x / length * tick : x / length * tick);
+    for (float at = 0.5f * tick; at < length; at += tick) {
+        const ImVec2 from(corners[0].x + x * at / length, corners[0].y + y * at / length);
+        list->AddLine(from, ImVec2(from.x + aside.x, from.y + aside.y), color, scale);
+    }
+}
+
 void panel_draw_picture(const isosculpt_screen *screen, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
     const isosculpt_controller *controller = screen->controller;
@@ -168,9 +214,11 @@ void panel_draw_picture(const isosculpt_screen *screen, float scale) {
     if (screen->blank || (screen->volume && !screen->sculpting)) return;
     for (int axis = 0; axis < 3; axis++)
         if (brush->symmetry >> axis & 1) draw_plane(screen, list, axis, scale);
+    if (iso_brush_is_radial(brush)) draw_axis(screen, list, brush, scale);
     for (size_t i = 0; i < controller->queued_strokes.count; i++) {
         const isosculpt_stroke *stroke = &controller->queued_strokes.strokes[i];
         draw_path(screen, list, stroke->samples, stroke->count, IM_COL32(255, 255, 255, 190), scale);
     }
     draw_selected(screen, list, scale);
+    if (controller->drag == ISOSCULPT_DRAG_OUTLINE) draw_outline(screen, list, scale);
 }

@@ -1,5 +1,5 @@
-/* Looks up the names of tools, solids and falloffs, and checks that the numbers of a brush are in their
- * ranges. */
+/* Looks up the names of tools, solids and falloffs, checks that the numbers of a brush are in their ranges,
+ * and finds the images of its touches. */
 #include "sculpt/brush/brush.h"
 
 #include <math.h>
@@ -60,6 +60,10 @@ iso_status iso_brush_check(const iso_brush *brush, iso_error *error) {
         return iso_fail(error, ISO_ERR_USAGE,
                         "brush: tool %d, shape %d, falloff %d, symmetry %u: no such thing", (int)brush->tool,
                         (int)brush->shape, (int)brush->falloff, brush->symmetry);
+    if (brush->radial > ISO_RADIAL_MOST || (brush->radial_axis && !strchr("xyz", brush->radial_axis)))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "brush: %u radial images around axis %d: at most %d around 'x', 'y' or 'z'",
+                        brush->radial, brush->radial_axis, ISO_RADIAL_MOST);
     if (!(brush->radius > 0) || !isfinite(brush->radius))
         return iso_fail(error, ISO_ERR_USAGE, "brush: radius %g mm: must be above 0", brush->radius);
     const range ranges[] = {
@@ -79,8 +83,76 @@ bool iso_brush_is_same(const iso_brush *a, const iso_brush *b) {
            a->strength == b->strength && a->aspect == b->aspect && a->blend == b->blend &&
            a->spacing == b->spacing && a->symmetry == b->symmetry && a->mirror.x == b->mirror.x &&
            a->mirror.y == b->mirror.y && a->mirror.z == b->mirror.z &&
+           iso_brush_is_radial(a) == iso_brush_is_radial(b) &&
+           (!iso_brush_is_radial(a) ||
+            (a->radial == b->radial && iso_brush_radial_axis(a) == iso_brush_radial_axis(b))) &&
            a->pressure_radius == b->pressure_radius && a->pressure_strength == b->pressure_strength &&
            a->has_color == b->has_color &&
            (!a->has_color ||
             (a->color.r == b->color.r && a->color.g == b->color.g && a->color.b == b->color.b));
+}
+
+/* ---- images */
+
+bool iso_brush_is_radial(const iso_brush *brush) {
+    return brush->radial > 1;
+}
+
+int iso_brush_radial_axis(const iso_brush *brush) {
+    return brush->radial_axis ? brush->radial_axis - 'x' : 2;
+}
+
+/* Returns the turn number `index` of `count` around an axis; half and quarter turns are exact. */
+static iso_brush_image make_turn(int index, int count, int axis) {
+    static const double quarters[] = {1, 0, -1, 0};
+    iso_brush_image image = {.axis = axis, .turned = index > 0};
+    if (4 * index % count == 0) {
+        image.cosine = quarters[4 * index / count];
+        image.sine = quarters[(4 * index / count + 3) % 4];
+    } else
+        iso_sincos(2 * ISO_PI * index / count, &image.sine, &image.cosine);
+    return image;
+}
+
+int iso_brush_images(const iso_brush *brush, iso_brush_image images[ISO_IMAGES_MOST]) {
+    const int axis = iso_brush_radial_axis(brush),
+              turns = iso_brush_is_radial(brush) ? (int)brush->radial : 1;
+    const unsigned beside = (1u << (axis + 1) % 3) | (1u << (axis + 2) % 3);
+    unsigned symmetry = brush->symmetry;
+    /* two mirror planes along the axis make half a turn, which is there already if the number is even */
+    if (turns % 2 == 0 && (symmetry & beside) == beside) symmetry &= ~(1u << (axis + 2) % 3);
+    int count = 0;
+    for (unsigned bits = 0; bits < 8; bits++)
+        for (int i = 0; i < turns && !(bits & ~symmetry); i++) {
+            images[count] = make_turn(i, turns, axis);
+            images[count].through = brush->mirror;
+            images[count++].mirrored = bits;
+        }
+    return count;
+}
+
+static iso_vec3 turn(const iso_brush_image *image, iso_vec3 v) {
+    const double in[3] = {v.x, v.y, v.z};
+    const int a = image->axis, b = (a + 1) % 3, c = (a + 2) % 3;
+    double out[3];
+    out[a] = in[a];
+    out[b] = image->cosine * in[b] - image->sine * in[c];
+    out[c] = image->sine * in[b] + image->cosine * in[c];
+    return iso_vec3_make(out[0], out[1], out[2]);
+}
+
+/* Mirrors `v` at the planes through `at`. */
+static iso_vec3 reflect(const iso_brush_image *image, iso_vec3 v, iso_vec3 at) {
+    const unsigned bits = image->mirrored;
+    return iso_vec3_make(bits & 1 ? 2 * at.x - v.x : v.x, bits & 2 ? 2 * at.y - v.y : v.y,
+                         bits & 4 ? 2 * at.z - v.z : v.z);
+}
+
+iso_vec3 iso_brush_image_point(const iso_brush_image *image, iso_vec3 point) {
+    const iso_vec3 at = image->through;
+    return reflect(image, image->turned ? iso_vec3_add(turn(image, iso_vec3_sub(point, at)), at) : point, at);
+}
+
+iso_vec3 iso_brush_image_direction(const iso_brush_image *image, iso_vec3 direction) {
+    return reflect(image, image->turned ? turn(image, direction) : direction, iso_vec3_make(0, 0, 0));
 }

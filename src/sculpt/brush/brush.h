@@ -7,6 +7,7 @@
 #define ISO_SCULPT_BRUSH_BRUSH_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "base/geometry.h"
 #include "base/status.h"
@@ -39,7 +40,10 @@ extern "C" {
     X(UNMASK, "unmask")           /* unfreezes them */                                                       \
     X(CLEAR_MASK, "clear-mask")   /* at a stroke's first sample: unfreezes all voxels of the grid */         \
     X(INVERT_MASK, "invert-mask") /* the same: freezes the voxels that are not frozen, unfreezes the rest */ \
-    X(PAINT, "paint")             /* lays a colour over the surface (sculpt/edit/painter.h) */
+    X(PAINT, "paint")             /* lays a colour over the surface (sculpt/edit/painter.h) */               \
+    X(TRIM_PLANE, "trim-plane")   /* removes what is on one side of a plane (sculpt/brush/outline.h) */      \
+    X(TRIM_LASSO, "trim-lasso")   /* removes what is within an outline */                                    \
+    X(CROP_LASSO, "crop-lasso")   /* removes what is outside of it */
 
 /* The solids of set operations, centred on the sample with the z axis along its normal. Sizes are in units of
  * the radius. */
@@ -77,7 +81,35 @@ bool iso_brush_is_same(const iso_brush *a, const iso_brush *b);
  * At the start of a stroke all three are the same. */
 typedef struct iso_touch {
     iso_sample sample, previous, first;
+    const iso_sample *path; /* all samples of a stroke that acts when it ends (iso_tool_is_trim); else NULL */
+    size_t path_count;
 } iso_touch;
+
+/* Whether the tool acts once, when its stroke ends, by all the stroke's samples: TRIM_PLANE to CROP_LASSO. */
+bool iso_tool_is_trim(iso_tool tool);
+
+/* The images of a touch, all of which act: with radial symmetry turned ones, and with mirror planes the
+ * mirror images of these. The first is the touch itself. No two are the same. */
+enum { ISO_RADIAL_MOST = 32, ISO_IMAGES_MOST = 8 * ISO_RADIAL_MOST };
+
+/* First turned around an axis, then mirrored. */
+typedef struct iso_brush_image {
+    iso_vec3 through; /* a point of the axis and of all mirror planes */
+    int axis;         /* 0: x, 1: y, 2: z */
+    bool turned;
+    double cosine, sine;
+    unsigned mirrored; /* bit a: at the plane perpendicular to axis a */
+} iso_brush_image;
+
+bool iso_brush_is_radial(const iso_brush *brush);
+/* The axis of the radial symmetry. 0: x. */
+int iso_brush_radial_axis(const iso_brush *brush);
+/* Lists the images of a brush's touches and returns their number. */
+int iso_brush_images(const iso_brush *brush, iso_brush_image images[ISO_IMAGES_MOST]);
+/* Return the image of a point and of a direction; by half and quarter turns and mirrors these are exact but
+ * for the rounding of sums. */
+iso_vec3 iso_brush_image_point(const iso_brush_image *image, iso_vec3 point);
+iso_vec3 iso_brush_image_direction(const iso_brush_image *image, iso_vec3 direction);
 
 #ifdef __cplusplus
 }

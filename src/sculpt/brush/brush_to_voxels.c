@@ -1,5 +1,6 @@
 /* Converts a brush and a touch, given in world millimetres, to dabs in voxels of the grid. */
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "sculpt/brush/dab.h"
@@ -21,14 +22,6 @@ static iso_vec3 snapped(const iso_affine *affine, iso_vec3 world) {
     return iso_affine_point(affine, iso_vec3_make(p[0], p[1], p[2]));
 }
 
-/* Mirrors `v` at the planes through the point `through` that are perpendicular to the axes in `bits` (1: x,
- * 2: y, 4: z). `through` is NULL for directions. */
-static iso_vec3 reflect(iso_vec3 v, unsigned bits, const iso_vec3 *through) {
-    const iso_vec3 at = through ? *through : iso_vec3_make(0, 0, 0);
-    return iso_vec3_make(bits & 1 ? 2 * at.x - v.x : v.x, bits & 2 ? 2 * at.y - v.y : v.y,
-                         bits & 4 ? 2 * at.z - v.z : v.z);
-}
-
 /* Computes three perpendicular unit vectors in world coordinates. frame[2] is the normal, or the z axis if
  * the normal has length 0. */
 static void make_tangent_frame(iso_vec3 normal, iso_vec3 frame[3]) {
@@ -43,23 +36,40 @@ static void make_tangent_frame(iso_vec3 normal, iso_vec3 frame[3]) {
     frame[2] = n;
 }
 
-/* Makes the mirror image of a touch at the planes of the axes in `bits`. The axes of the dab are mirrored,
- * too, so that boxes and stamps are mirrored. */
+/* Makes an image of a touch. The axes of the dab are turned and mirrored, too, so that boxes and stamps are.
+ */
 static void make_dab(const iso_dab_space *space, const iso_brush *brush, const iso_touch *touch,
-                     unsigned bits, iso_dab *dab) {
+                     const iso_brush_image *image, iso_dab *dab) {
     const iso_affine *affine = space->affine;
     iso_vec3 from = brush->tool == ISO_TOOL_MOVE ? touch->first.position : touch->previous.position, frame[3];
-    to_rounded_index(affine, reflect(snapped(affine, touch->sample.position), bits, &brush->mirror),
+    to_rounded_index(affine, iso_brush_image_point(image, snapped(affine, touch->sample.position)),
                      dab->centre);
-    to_rounded_index(affine, reflect(snapped(affine, from), bits, &brush->mirror), dab->from);
+    to_rounded_index(affine, iso_brush_image_point(image, snapped(affine, from)), dab->from);
     make_tangent_frame(touch->sample.normal, frame);
     for (int i = 0; i < 3; i++) {
-        iso_vec3 axis = iso_affine_vector_to_index(affine, reflect(frame[i], bits, NULL));
+        iso_vec3 axis = iso_affine_vector_to_index(affine, iso_brush_image_direction(image, frame[i]));
         axis = iso_vec3_scale(axis, space->spacing); /* of length 1 voxel instead of 1 mm */
         dab->axis[i][0] = axis.x;
         dab->axis[i][1] = axis.y;
         dab->axis[i][2] = axis.z;
     }
+    dab->plane = 0;
+}
+
+static double length_of(const double a[3], const double b[3]) {
+    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
+                (a[2] - b[2]) * (a[2] - b[2]));
+}
+
+/* Whether no voxel is within the influence of two dabs. All images see the others alike, so that the
+ * distances from the first one tell. */
+static bool are_apart(const iso_dabs *dabs) {
+    const iso_dab *first = &dabs->dab[0];
+    const double least = 2 * (iso_dabs_influence(dabs) + 1 +
+                              (dabs->solid == ISO_SOLID_CAPSULE ? length_of(first->centre, first->from) : 0));
+    for (int i = 1; i < dabs->count; i++)
+        if (length_of(first->centre, dabs->dab[i].centre) < least) return false;
+    return true;
 }
 
 /* Returns the effect of one touch of strength 1 at its centre. For INFLATE and DEFLATE this is an offset in
@@ -99,7 +109,8 @@ void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso
     double band =
         (double)
             space->band; /* a fillet is at most as wide as the band, because distances are known only there */
-    memset(dabs, 0, sizeof *dabs);
+    iso_brush_image images[ISO_DAB_MAX];
+    memset(dabs, 0, offsetof(iso_dabs, dab));
     dabs->tool = brush->tool;
     dabs->solid = brush->shape;
     dabs->falloff = brush->falloff;
@@ -112,6 +123,8 @@ void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso
     if (brush->has_color) dabs->color = iso_paint_make(brush->color.r, brush->color.g, brush->color.b, 255);
     dabs->cover = (int)(strength * ISO_PAINT_ONE + 0.5);
     dabs->stamp = space->stamp ? iso_stamp_level(space->stamp, radius_voxels) : NULL;
-    for (unsigned bits = 0; bits < 8; bits++)
-        if (!(bits & ~brush->symmetry)) make_dab(space, brush, touch, bits, &dabs->dab[dabs->count++]);
+    dabs->radial = iso_brush_is_radial(brush);
+    dabs->count = iso_brush_images(brush, images);
+    for (int i = 0; i < dabs->count; i++) make_dab(space, brush, touch, &images[i], &dabs->dab[i]);
+    dabs->apart = dabs->count == 1 || (dabs->radial && are_apart(dabs));
 }

@@ -1,9 +1,11 @@
 /* dab: a touch in voxel coordinates, and the kernels that compute the new values of a brick from it.
  *
- * A dab is one mirror image of a touch. All lengths are in voxels of the grid and all positions are index
+ * A dab is one image of a touch. All lengths are in voxels of the grid and all positions are index
  * coordinates; iso_dabs_make converts an iso_brush (millimetres) to them. A kernel reads the brick and
- * its face neighbours, or a window of the field, and writes the new values to other memory. Mirror images act
- * together (union of their solids, sum of their displacements), so a symmetric field stays symmetric.
+ * its face neighbours, or a window of the field, and writes the new values to other memory. Images act
+ * together, so a symmetric field stays symmetric: the union of their solids; the sum of the displacements of
+ * mirror images; of radial images, many of which can lie on one another, the mean by weight of their
+ * displacements, times the largest weight.
  * Internal to sculpt. */
 #ifndef ISO_SCULPT_BRUSH_DAB_H
 #define ISO_SCULPT_BRUSH_DAB_H
@@ -12,6 +14,7 @@
 
 #include "grids/hgrid.h"
 #include "sculpt/brush/brush.h"
+#include "sculpt/brush/outline.h"
 #include "sculpt/brush/stamp.h"
 #include "sculpt/field/redistance.h"
 
@@ -29,10 +32,10 @@ bool iso_tool_is_drag(iso_tool tool);
  * CLAY. */
 bool iso_tool_has_area_plane(iso_tool tool);
 
-/* The largest number of dabs of a touch: its mirror images with symmetry in all three axes. */
-enum { ISO_DAB_MAX = 8 };
+/* The largest number of dabs of a touch: its images; without radial symmetry its mirror images. */
+enum { ISO_DAB_MAX = ISO_IMAGES_MOST, ISO_MIRRORED_MAX = 8 };
 
-/* One mirror image of a touch. */
+/* One image of a touch. */
 typedef struct iso_dab {
     double centre[3], from[3]; /* index coordinates; `from`: the other end of a capsule, or where a drag
                                   started */
@@ -40,7 +43,7 @@ typedef struct iso_dab {
     double plane;              /* height, along that normal, of a tool's plane above the centre, voxels */
 } iso_dab;
 
-/* A touch with all its mirror images; the same for all bricks. */
+/* A touch with all its images; the same for all bricks. */
 typedef struct iso_dabs {
     iso_tool tool;
     iso_solid solid;
@@ -52,9 +55,12 @@ typedef struct iso_dabs {
     float band;     /* of the grid, voxels */
     uint32_t color; /* the brush's, as of a painted voxel (field/paint.h); 0: it has none */
     int cover;      /* how much of the colour a touch lays on, at its centre; 0 .. ISO_PAINT_ONE */
-    int count;      /* of dabs */
+    bool radial;    /* the images are not (only) mirror images */
+    bool apart; /* no voxel is within the influence of two dabs (false: of mirror images, also if none is) */
+    const iso_hgrid *stamp;     /* the level of the stamp for this radius; NULL: no stamp is set */
+    const iso_outline *outline; /* what CARVE or BLEND_CARVE removes instead of a solid; NULL: a solid */
+    int count;                  /* of dabs */
     iso_dab dab[ISO_DAB_MAX];
-    const iso_hgrid *stamp; /* the level of the stamp for this radius; NULL: no stamp is set */
 } iso_dabs;
 
 /* What iso_dabs_make needs to know about the grid and the step. All pointers are borrowed. */
@@ -65,14 +71,20 @@ typedef struct iso_dab_space {
     const iso_stamp *stamp;   /* NULL: none is set */
 } iso_dab_space;
 
-/* Converts a brush and its touch from millimetres to voxels and makes the mirror images
- * (brush_to_voxels.c). */
+/* Converts a brush and its touch from millimetres to voxels and makes the images (brush_to_voxels.c). */
 void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso_touch *touch,
                    iso_dabs *dabs);
 
 /* Returns the distance, in voxels, beyond which no voxel changes: from the dab's centre or, for capsules and
  * drags, from the segment between the centre and `from`. */
 double iso_dabs_influence(const iso_dabs *dabs);
+
+/* Returns a lower bound of the distance, in voxels, from the voxels of the brick at `brick` (in cells) to a
+ * dab's centre or, for drags and capsules, to the segment along which it moved. */
+double iso_dab_brick_distance(const iso_dabs *dabs, const iso_dab *dab, const int brick[3]);
+/* Lists the dabs that can change a voxel of a brick, in their order, and returns their number. With the
+ * others left out the brick gets the same values. A single dab is always listed. */
+int iso_dabs_find_near(const iso_dabs *dabs, const int brick[3], int near[ISO_DAB_MAX]);
 
 /* Returns the number of steps in which a drag follows a voxel back along the stroke: enough for steps of at
  * most an eighth of the radius, but at most 256. */
@@ -116,5 +128,7 @@ typedef struct iso_dab_kernel {
 } iso_dab_kernel;
 
 ISO_KERNEL_UNITS(const iso_dab_kernel, iso_dab_kernel);
+/* Returns the variant for an instruction set; all give the same bytes. */
+const iso_dab_kernel *iso_dab_kernel_get(iso_cpu_level level);
 
 #endif

@@ -10,16 +10,27 @@
  * `from`. */
 typedef struct iso_local_dab {
     float centre[3], segment[3], axis[3][3], plane;
+    int number; /* in the touch */
 } iso_local_dab;
 
-static void make_local_dabs(const iso_dabs *dabs, const int brick[3], iso_local_dab local[ISO_DAB_MAX]) {
-    for (int i = 0; i < dabs->count; i++) {
-        const iso_dab *dab = &dabs->dab[i];
-        local[i].plane = (float)dab->plane + dabs->depth;
+/* The dabs that can change the brick. */
+typedef struct iso_local_dabs {
+    int count;
+    iso_local_dab dab[ISO_DAB_MAX];
+} iso_local_dabs;
+
+static void make_local_dabs(const iso_dabs *dabs, const int brick[3], iso_local_dabs *local) {
+    int near[ISO_DAB_MAX];
+    local->count = iso_dabs_find_near(dabs, brick, near);
+    for (int i = 0; i < local->count; i++) {
+        const iso_dab *dab = &dabs->dab[near[i]];
+        iso_local_dab *out = &local->dab[i];
+        out->number = near[i];
+        out->plane = (float)dab->plane + dabs->depth;
         for (int k = 0; k < 3; k++) {
-            local[i].centre[k] = (float)(dab->centre[k] - ISO_BRICK * (double)brick[k]);
-            local[i].segment[k] = (float)(dab->from[k] - dab->centre[k]);
-            for (int a = 0; a < 3; a++) local[i].axis[a][k] = (float)dab->axis[a][k];
+            out->centre[k] = (float)(dab->centre[k] - ISO_BRICK * (double)brick[k]);
+            out->segment[k] = (float)(dab->from[k] - dab->centre[k]);
+            for (int a = 0; a < 3; a++) out->axis[a][k] = (float)dab->axis[a][k];
         }
     }
 }
@@ -41,14 +52,14 @@ static float stamp_distance(const iso_dabs *dabs, const iso_local_dab *dab, cons
     return (float)(d >= far ? INFINITY : d <= -far ? -INFINITY : d * scale);
 }
 
-/* Computes for all voxels of a brick the signed distance to the nearest of the mirrored stamps. */
-static void stamp_distances(const iso_dabs *dabs, const iso_local_dab *local, float *out) {
+/* Computes for all voxels of a brick the signed distance to the nearest of the stamps. */
+static void stamp_distances(const iso_dabs *dabs, const iso_local_dabs *local, float *out) {
     for (int at = 0; at < ISO_BRICK_VOXELS; at++) {
         const float voxel[3] = {(float)(at % ISO_BRICK), (float)(at / ISO_BRICK % ISO_BRICK),
                                 (float)(at / ISO_BRICK_ROWS)};
         out[at] = INFINITY;
-        for (int i = 0; i < dabs->count; i++) {
-            const float distance = stamp_distance(dabs, &local[i], voxel);
+        for (int i = 0; i < local->count; i++) {
+            const float distance = stamp_distance(dabs, &local->dab[i], voxel);
             if (distance < out[at]) out[at] = distance;
         }
     }
@@ -136,35 +147,117 @@ ISO_INLINE vf clamped(vf value, float band) {
     return v_min(v_max(value, v_set(-band)), v_set(band));
 }
 
-static void edit_solid(const iso_dabs *dabs, const iso_local_dab *local, const iso_stencil *phi, float *out) {
-    float stamped[ISO_BRICK_VOXELS], *stamp = dabs->solid == ISO_SOLID_STAMP ? stamped : NULL;
-    if (stamp) stamp_distances(dabs, local, stamped);
-    const bool carve = dabs->tool == ISO_TOOL_CARVE || dabs->tool == ISO_TOOL_BLEND_CARVE;
+/* Returns the value of a function of the position at the voxels x of a row. */
+ISO_INLINE vf along_row(const float f[4], int row, vf x) {
+    const float y = (float)(row % ISO_BRICK), z = (float)(row / ISO_BRICK);
+    return v_set(f[0]) * x + v_set(f[1] * y + (f[2] * z + f[3]));
+}
+
+/* Returns the squared distance from the voxels x of a row to a side of an outline. */
+ISO_INLINE vf side_square(const iso_local_side *side, int row, vf x) {
+    const vf plane = along_row(side->plane, row, x), zero = v_set(0),
+             beyond = v_max(
+                 zero - v_min(along_row(side->limit[0], row, x), along_row(side->limit[1], row, x)), zero);
+    return plane * plane + beyond * beyond;
+}
+
+/* Returns the voxels x of a row, as bits, from which a line to the right of the viewer's picture crosses a
+ * side. */
+ISO_INLINE uint32_t crossings(const iso_local_side *side, int row, vf x) {
+    const vf zero = v_set(0);
+    const uint32_t first = v_mask(v_lt(zero, along_row(side->level[0], row, x))),
+                   second = v_mask(v_lt(zero, along_row(side->level[1], row, x))),
+                   left = v_mask(v_lt(zero, along_row(side->plane, row, x)));
+    return (first ^ second) & (side->rises ? left : ~left);
+}
+
+/* Computes for all voxels of a brick the signed distance to what an outline removes. */
+static void outline_distances(const iso_outline *outline, const int brick[3], float *out) {
+    iso_local_outline local;
+    iso_outline_localize(outline, brick, &local);
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
-        for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
-            vf s = stamp ? v_load(stamp + row * ISO_BRICK + x) : v_set(INFINITY);
-            for (int i = 0; i < dabs->count && !stamp; i++) {
-                const vf_vector p = position_from_dab(&local[i], row, x);
-                s = v_min(s, solid_distance(dabs, &local[i], &p));
+        for (int first = 0; first < ISO_BRICK; first += ISO_LANES) {
+            const vf x = v_to_float(v_lanes() + v_seti(first)), zero = v_set(0);
+            vf least = v_set(INFINITY);
+            uint32_t within = local.within ? ~0u : 0;
+            for (int i = 0; i < local.count && !local.plane; i++) {
+                const iso_local_side *side = &local.side[i];
+                if (side->near) least = v_min(least, side_square(side, row, x));
+                if (side->crossed) within ^= crossings(side, row, x);
             }
-            const vf f = v_load(phi->self + row * ISO_BRICK + x), zero = v_set(0);
-            const vf made = carve ? zero - unite(dabs, zero - f, s) : unite(dabs, f, s);
-            v_store(out + row * ISO_BRICK + x, clamped(made, dabs->band));
+            if (local.pyramid) within &= v_mask(v_lt(zero, along_row(local.depth, row, x)));
+            const vf distance = v_sqrt(least);
+            v_store(out + row * ISO_BRICK + first,
+                    local.plane ? along_row(local.side[0].plane, row, x)
+                                : v_select(v_from_mask(local.inverted ? ~within : within), zero - distance,
+                                           distance));
         }
 }
 
-/* Adds up the values of a touch's dabs in pairs of mirror images, so that the order of the mirror images does
- * not change the rounded sum. */
-ISO_INLINE vf sum_dabs(const vf *part, int count) {
-    vf sum[ISO_DAB_MAX];
-    for (int i = 0; i < ISO_DAB_MAX; i++) sum[i] = i < count ? part[i] : v_set(0);
+static void edit_solid(const iso_dabs *dabs, const int brick[3], const iso_local_dabs *local,
+                       const iso_stencil *phi, float *out) {
+    float distances[ISO_BRICK_VOXELS]; /* of solids that are not made of formulas */
+    const bool made = dabs->outline || dabs->solid == ISO_SOLID_STAMP;
+    if (dabs->outline)
+        outline_distances(dabs->outline, brick, distances);
+    else if (made)
+        stamp_distances(dabs, local, distances);
+    const int solids = made ? 0 : local->count;
+    const bool carve = dabs->tool == ISO_TOOL_CARVE || dabs->tool == ISO_TOOL_BLEND_CARVE;
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
+            vf s = made ? v_load(distances + row * ISO_BRICK + x) : v_set(INFINITY);
+            for (int i = 0; i < solids; i++) {
+                const vf_vector p = position_from_dab(&local->dab[i], row, x);
+                s = v_min(s, solid_distance(dabs, &local->dab[i], &p));
+            }
+            const vf f = v_load(phi->self + row * ISO_BRICK + x), zero = v_set(0);
+            const vf united = carve ? zero - unite(dabs, zero - f, s) : unite(dabs, f, s);
+            v_store(out + row * ISO_BRICK + x, clamped(united, dabs->band));
+        }
+}
+
+/* Adds up what the mirror images of a touch do, in pairs of images, so that their order does not change the
+ * rounded sum. */
+ISO_INLINE vf sum_mirrored(const iso_local_dabs *local, const vf part[ISO_MIRRORED_MAX]) {
+    vf sum[ISO_MIRRORED_MAX];
+    if (local->count == 1) return part[0] + v_set(0);
+    for (int i = 0; i < ISO_MIRRORED_MAX; i++) sum[i] = v_set(0);
+    for (int i = 0; i < local->count; i++) sum[local->dab[i].number] = part[i];
     return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
 }
 
-/* Returns by how much INFLATE, DEFLATE or FLATTEN to CLAY change voxels with the values f, in voxels. p:
- * their positions relative to the dab. */
-ISO_INLINE vf distance_change(const iso_dabs *dabs, const iso_local_dab *dab, const vf_vector *p, vf f) {
-    const vf w = weight(dabs, length3(p->x, p->y, p->z));
+/* Rounds to 2^-16 voxel. Sums with voxel indices, and of what radial images do, are then exact, so that the
+ * order of images does not change them. */
+ISO_INLINE vf snap(vf shift) {
+    return v_to_float(v_trunc(shift * v_set(65536))) * v_set(1.0f / 65536);
+}
+
+/* The weights of the radial images of a touch at some voxels. */
+typedef struct weights {
+    vf sum, most;
+} weights;
+
+ISO_INLINE weights no_weights(void) {
+    return (weights){v_set(0), v_set(0)};
+}
+
+ISO_INLINE void add_weight(weights *all, vf weight) {
+    const vf snapped = snap(weight);
+    all->sum += snapped;
+    all->most = v_max(all->most, snapped);
+}
+
+/* The factor by which the sum of what the images do becomes their mean by weight, times the largest weight.
+ */
+ISO_INLINE vf factor_of(const weights *all) {
+    return all->most / v_max(all->sum, v_set(1.0f / 65536));
+}
+
+/* Returns by how much INFLATE, DEFLATE or FLATTEN to CLAY change voxels with the values f, in voxels, with
+ * the weight w. p: their positions relative to the dab. */
+ISO_INLINE vf distance_change(const iso_dabs *dabs, const iso_local_dab *dab, const vf_vector *p, vf w,
+                              vf f) {
     if (dabs->tool == ISO_TOOL_INFLATE) return v_set(0) - w;
     if (dabs->tool == ISO_TOOL_DEFLATE) return w;
     const vf plane = clamped(dot(p, dab->axis[2]) - v_set(dab->plane), dabs->band), zero = v_set(0);
@@ -174,17 +267,35 @@ ISO_INLINE vf distance_change(const iso_dabs *dabs, const iso_local_dab *dab, co
                                            : v_min(change, zero);
 }
 
-static void edit_offset(const iso_dabs *dabs, const iso_local_dab *local, const iso_stencil *phi,
+ISO_INLINE vf mirrored_change(const iso_dabs *dabs, const iso_local_dabs *local, int row, int x, vf f) {
+    vf part[ISO_MIRRORED_MAX];
+    for (int i = 0; i < local->count; i++) {
+        const vf_vector p = position_from_dab(&local->dab[i], row, x);
+        part[i] = distance_change(dabs, &local->dab[i], &p, weight(dabs, length3(p.x, p.y, p.z)), f);
+    }
+    return sum_mirrored(local, part);
+}
+
+ISO_INLINE vf radial_change(const iso_dabs *dabs, const iso_local_dabs *local, int row, int x, vf f) {
+    weights all = no_weights();
+    vf sum = v_set(0);
+    for (int i = 0; i < local->count; i++) {
+        const vf_vector p = position_from_dab(&local->dab[i], row, x);
+        const vf w = weight(dabs, length3(p.x, p.y, p.z));
+        sum += snap(distance_change(dabs, &local->dab[i], &p, w, f));
+        add_weight(&all, w);
+    }
+    return sum * factor_of(&all);
+}
+
+static void edit_offset(const iso_dabs *dabs, const iso_local_dabs *local, const iso_stencil *phi,
                         float *out) {
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
             const vf f = v_load(phi->self + row * ISO_BRICK + x);
-            vf part[ISO_DAB_MAX];
-            for (int i = 0; i < dabs->count; i++) {
-                const vf_vector p = position_from_dab(&local[i], row, x);
-                part[i] = distance_change(dabs, &local[i], &p, f);
-            }
-            const vf made = clamped(f + sum_dabs(part, dabs->count), dabs->band);
+            const vf change = dabs->radial ? radial_change(dabs, local, row, x, f)
+                                           : mirrored_change(dabs, local, row, x, f);
+            const vf made = clamped(f + change, dabs->band);
             v_store(out + row * ISO_BRICK + x, v_select(v_lt(v_abs(f), v_set(dabs->band)), made, f));
         }
 }
@@ -202,13 +313,13 @@ ISO_INLINE vf mean_excess(const iso_stencil *phi, int row, int x, float band) {
     return v_select(v_lt(most, v_set(band)), sum * v_set(1.0f / 6), v_set(0));
 }
 
-static void edit_smooth(const iso_dabs *dabs, const iso_local_dab *local, const iso_stencil *phi,
+static void edit_smooth(const iso_dabs *dabs, const iso_local_dabs *local, const iso_stencil *phi,
                         float *out) {
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
             vf w = v_set(0);
-            for (int i = 0; i < dabs->count; i++) {
-                const vf_vector p = position_from_dab(&local[i], row, x);
+            for (int i = 0; i < local->count; i++) {
+                const vf_vector p = position_from_dab(&local->dab[i], row, x);
                 w = v_max(w, weight(dabs, length3(p.x, p.y, p.z)));
             }
             const vf f = v_load(phi->self + row * ISO_BRICK + x);
@@ -217,25 +328,56 @@ static void edit_smooth(const iso_dabs *dabs, const iso_local_dab *local, const 
 }
 
 static void edit(const iso_dabs *dabs, const int brick[3], const iso_stencil *phi, float *out) {
-    iso_local_dab local[ISO_DAB_MAX];
-    make_local_dabs(dabs, brick, local);
+    iso_local_dabs local;
+    make_local_dabs(dabs, brick, &local);
     if (iso_tool_is_set_operation(dabs->tool))
-        edit_solid(dabs, local, phi, out);
+        edit_solid(dabs, brick, &local, phi, out);
     else if (dabs->tool == ISO_TOOL_SMOOTH)
-        edit_smooth(dabs, local, phi, out);
+        edit_smooth(dabs, &local, phi, out);
     else
-        edit_offset(dabs, local, phi, out);
+        edit_offset(dabs, &local, phi, out);
 }
 
 /* ---- warps */
 
-/* The displacements of ISO_LANES voxels by each dab of a touch. */
+/* The displacements of ISO_LANES voxels by the dabs of a touch: of mirror images each one's, of radial images
+ * their sum and weights. */
 typedef struct ex_shifts {
-    vf x[ISO_DAB_MAX], y[ISO_DAB_MAX], z[ISO_DAB_MAX];
+    vf x[ISO_MIRRORED_MAX], y[ISO_MIRRORED_MAX], z[ISO_MIRRORED_MAX];
+    weights all;
 } ex_shifts;
 
-ISO_INLINE vf_vector sum_shifts(const ex_shifts *s, int count) {
-    vf_vector p = {sum_dabs(s->x, count), sum_dabs(s->y, count), sum_dabs(s->z, count)};
+ISO_INLINE void begin_shifts(const iso_dabs *dabs, ex_shifts *s) {
+    if (dabs->radial) s->x[0] = s->y[0] = s->z[0] = v_set(0);
+    s->all = no_weights();
+}
+
+/* Adds the displacement (x, y, z) by dab `i`, which acts with the weight w. */
+ISO_INLINE void add_shift(const iso_dabs *dabs, ex_shifts *s, int i, vf w, const vf_vector *shift) {
+    if (!dabs->radial) {
+        s->x[i] = shift->x;
+        s->y[i] = shift->y;
+        s->z[i] = shift->z;
+        return;
+    }
+    s->x[0] += snap(shift->x);
+    s->y[0] += snap(shift->y);
+    s->z[0] += snap(shift->z);
+    add_weight(&s->all, w);
+}
+
+ISO_INLINE vf_vector sum_shifts(const iso_dabs *dabs, const iso_local_dabs *local, const ex_shifts *s) {
+    vf_vector p;
+    if (dabs->radial) {
+        const vf factor = factor_of(&s->all);
+        p.x = s->x[0] * factor;
+        p.y = s->y[0] * factor;
+        p.z = s->z[0] * factor;
+        return p;
+    }
+    p.x = sum_mirrored(local, s->x);
+    p.y = sum_mirrored(local, s->y);
+    p.z = sum_mirrored(local, s->z);
     return p;
 }
 
@@ -243,42 +385,46 @@ ISO_INLINE vf_vector sum_shifts(const ex_shifts *s, int count) {
  * position lies farther from the axis of the dab than the voxel, so that the surface moves towards the axis;
  * for CREASE it also lies farther along the axis, so that the surface moves against its normal, in a narrower
  * groove. */
-ISO_INLINE vf_vector pinch(const iso_dabs *dabs, const iso_local_dab *local, int row, int x) {
+ISO_INLINE vf_vector pinch(const iso_dabs *dabs, const iso_local_dabs *local, int row, int x) {
     ex_shifts s;
-    for (int i = 0; i < dabs->count; i++) {
-        const vf_vector p = position_from_dab(&local[i], row, x);
-        const float *axis = local[i].axis[2];
+    begin_shifts(dabs, &s);
+    for (int i = 0; i < local->count; i++) {
+        const vf_vector p = position_from_dab(&local->dab[i], row, x);
+        const float *axis = local->dab[i].axis[2];
         const vf at = falloff(dabs, length3(p.x, p.y, p.z)), n = dot(&p, axis);
         const vf w = at * v_set(dabs->strength), groove = at * at * v_set(dabs->depth);
-        s.x[i] = w * (p.x - n * v_set(axis[0])) + groove * v_set(axis[0]);
-        s.y[i] = w * (p.y - n * v_set(axis[1])) + groove * v_set(axis[1]);
-        s.z[i] = w * (p.z - n * v_set(axis[2])) + groove * v_set(axis[2]);
+        const vf_vector shift = {w * (p.x - n * v_set(axis[0])) + groove * v_set(axis[0]),
+                                 w * (p.y - n * v_set(axis[1])) + groove * v_set(axis[1]),
+                                 w * (p.z - n * v_set(axis[2])) + groove * v_set(axis[2])};
+        add_shift(dabs, &s, i, at, &shift);
     }
-    return sum_shifts(&s, dabs->count);
+    return sum_shifts(dabs, local, &s);
 }
 
 /* MOVE and SNAKE_HOOK: returns the displacement to the position at which a voxel's new value is sampled.
  * The surface is moved by a flow: a velocity field whose centre moves from the stroke's first sample
  * (SNAKE_HOOK: from the previous sample) to the current one. The voxel is followed back along the flow in
  * steps of an eighth of the radius, so that the warp never folds. */
-ISO_INLINE vf_vector trace_back(const iso_dabs *dabs, const iso_local_dab *local, int steps, int row, int x) {
+ISO_INLINE vf_vector trace_back(const iso_dabs *dabs, const iso_local_dabs *local, int steps, int row,
+                                int x) {
     vf_vector shift = {v_set(0), v_set(0), v_set(0)};
     const float part = 1 / (float)steps;
     for (int k = 0; k < steps; k++) {
         ex_shifts s;
-        for (int i = 0; i < dabs->count; i++) {
-            const float *path = local[i].segment;
+        begin_shifts(dabs, &s);
+        for (int i = 0; i < local->count; i++) {
+            const float *path = local->dab[i].segment;
             const float back =
                 ((float)k + 0.5f) * part; /* 0: centre at the current sample, 1: at the first */
-            const vf_vector p = position_from_dab(&local[i], row, x);
-            const vf w = v_set(part) * weight(dabs, length3(p.x + shift.x - v_set(back * path[0]),
-                                                            p.y + shift.y - v_set(back * path[1]),
-                                                            p.z + shift.z - v_set(back * path[2])));
-            s.x[i] = w * v_set(path[0]);
-            s.y[i] = w * v_set(path[1]);
-            s.z[i] = w * v_set(path[2]);
+            const vf_vector p = position_from_dab(&local->dab[i], row, x);
+            const vf all = weight(dabs, length3(p.x + shift.x - v_set(back * path[0]),
+                                                p.y + shift.y - v_set(back * path[1]),
+                                                p.z + shift.z - v_set(back * path[2]))),
+                     w = v_set(part) * all;
+            const vf_vector step = {w * v_set(path[0]), w * v_set(path[1]), w * v_set(path[2])};
+            add_shift(dabs, &s, i, all, &step);
         }
-        const vf_vector sum = sum_shifts(&s, dabs->count);
+        const vf_vector sum = sum_shifts(dabs, local, &s);
         shift.x += sum.x;
         shift.y += sum.y;
         shift.z += sum.z;
@@ -286,20 +432,15 @@ ISO_INLINE vf_vector trace_back(const iso_dabs *dabs, const iso_local_dab *local
     return shift;
 }
 
-/* Rounds to 2^-16 voxel. Sums with voxel indices are then exact, and mirror images have mirrored sums. */
-ISO_INLINE vf snap(vf shift) {
-    return v_to_float(v_trunc(shift * v_set(65536))) * v_set(1.0f / 65536);
-}
-
 static bool warp(const iso_dabs *dabs, const int brick[3], iso_warp *warp) {
-    iso_local_dab local[ISO_DAB_MAX];
-    make_local_dabs(dabs, brick, local);
+    iso_local_dabs local;
+    make_local_dabs(dabs, brick, &local);
     const int steps = iso_dabs_steps(dabs);
     uint32_t moved = 0;
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
-            const vf_vector shift = iso_tool_is_drag(dabs->tool) ? trace_back(dabs, local, steps, row, x)
-                                                                 : pinch(dabs, local, row, x);
+            const vf_vector shift = iso_tool_is_drag(dabs->tool) ? trace_back(dabs, &local, steps, row, x)
+                                                                 : pinch(dabs, &local, row, x);
             const vf length = v_abs(shift.x) + v_abs(shift.y) + v_abs(shift.z);
             moved |= v_mask(v_lt(v_set(0), length));
             const int at = row * ISO_BRICK + x;

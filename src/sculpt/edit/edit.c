@@ -81,34 +81,6 @@ void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts) {
 
 /* ---- the cells that a touch may change */
 
-/* Returns a lower bound of the distance, in voxels, from a cell's voxels to a dab's centre or, for drags and
- * capsules, to the segment along which it moved. */
-static double cell_distance(const iso_dabs *dabs, const iso_dab *dab, const int at[3]) {
-    bool segment = iso_tool_is_drag(dabs->tool) || dabs->solid == ISO_SOLID_CAPSULE;
-    double centre[3], half = 0.5 * (ISO_BRICK - 1), t = 0, along = 0, square = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        double d = segment ? dab->from[axis] - dab->centre[axis] : 0;
-        centre[axis] = ISO_BRICK * (double)at[axis] + half;
-        along += (centre[axis] - dab->centre[axis]) * d;
-        square += d * d;
-    }
-    if (square > 0) t = fmin(fmax(along / square, 0), 1);
-    if (segment) { /* the distance to the ball around the cell */
-        double distance = 0;
-        for (int axis = 0; axis < 3; axis++) {
-            double d = centre[axis] - dab->centre[axis] - t * (dab->from[axis] - dab->centre[axis]);
-            distance += d * d;
-        }
-        return sqrt(distance) - half * sqrt(3);
-    }
-    double distance = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        double d = fmax(fabs(centre[axis] - dab->centre[axis]) - half, 0);
-        distance += d * d;
-    }
-    return sqrt(distance);
-}
-
 /* Whether a tool can change a cell with this entry in the grid: adding to the inside changes nothing, nor
  * does carving outside. */
 static bool can_change(iso_tool tool, int32_t state) {
@@ -147,14 +119,14 @@ static double cells_in_range(const int lo[3], const int hi[3]) {
     return (hi[0] - lo[0] + 1.0) * (hi[1] - lo[1] + 1.0) * (hi[2] - lo[2] + 1.0);
 }
 
-/* Returns the cost of editing one cell; a brush with one dab of a simple solid costs 1.25. The cost grows
- * with the number of dabs. A stamp costs more because it is sampled at every voxel, a drag because it follows
- * each voxel back along the stroke in up to 256 steps. */
-static double cell_cost(const iso_dabs *dabs) {
-    const double count = dabs->count;
-    if (iso_tool_is_drag(dabs->tool)) return 1 + count * iso_dabs_steps(dabs) / 4;
-    if (dabs->solid == ISO_SOLID_STAMP && iso_tool_is_set_operation(dabs->tool)) return 16 * count;
-    return 1 + count / 4;
+/* Returns the cost of editing the listed cells; one of a brush with one dab of a simple solid costs 1.25. It
+ * grows with the number of dabs that reach a cell. A stamp costs more because it is sampled at every voxel, a
+ * drag because it follows each voxel back along the stroke in up to 256 steps. */
+static double cost_of_cells(const iso_editor *editor, const iso_dabs *dabs) {
+    const double cells = (double)editor->transaction.cell_count, reached = (double)editor->reached;
+    if (iso_tool_is_drag(dabs->tool)) return cells * (1 + dabs->count * iso_dabs_steps(dabs) / 4.0);
+    if (dabs->solid == ISO_SOLID_STAMP && iso_tool_is_set_operation(dabs->tool)) return 16 * reached;
+    return cells + reached / 4;
 }
 
 static iso_status list_dab_cells(iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, bool *clipped,
@@ -166,10 +138,11 @@ static iso_status list_dab_cells(iso_editor *editor, const iso_dabs *dabs, const
     for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
         for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
             for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++) {
-                if (cell_distance(dabs, dab, at) >= influence) continue;
+                if (iso_dab_brick_distance(dabs, dab, at) >= influence) continue;
                 size_t cell = iso_hgrid_cell_index(editor->transaction.grid, at[0], at[1], at[2]);
                 if (!can_change(dabs->tool, editor->transaction.grid->cell[cell])) continue;
                 ISO_TRY(iso_transaction_add(&editor->transaction, at, true, error));
+                editor->reached++;
                 if (editor->transaction.cell_count > ISO_LIMIT_TOUCH_CELLS)
                     return iso_fail(error, ISO_ERR_LIMIT,
                                     "a brush of %g voxels reaches more than %d bricks in one touch",
@@ -190,7 +163,67 @@ static iso_status list_notified(iso_editor *editor, const iso_buffer *cells, siz
     return ISO_OK;
 }
 
+/* What is listed of an outline: cells that it can change. */
+typedef struct outline_list {
+    iso_editor *editor;
+    const iso_dabs *dabs;
+} outline_list;
+
+/* Lists a cell. `deep`: all of it is removed. */
+static iso_status list_outline_cell(const outline_list *list, const int at[3], bool deep, iso_error *error) {
+    iso_transaction *transaction = &list->editor->transaction;
+    const size_t cell = iso_hgrid_cell_index(transaction->grid, at[0], at[1], at[2]);
+    if (!can_change(list->dabs->tool, transaction->grid->cell[cell])) return ISO_OK;
+    ISO_TRY(iso_transaction_add(transaction, at, true, error));
+    iso_transaction_cell(transaction, transaction->cell_count - 1)->removed =
+        deep && !iso_mask_bits(iso_transaction_mask(transaction), cell);
+    list->editor->reached++;
+    return transaction->cell_count <= ISO_LIMIT_TOUCH_CELLS
+               ? ISO_OK
+               : iso_fail(error, ISO_ERR_LIMIT, "an outline removes more than %d bricks",
+                          ISO_LIMIT_TOUCH_CELLS);
+}
+
+/* Lists what an outline can change of a block of side^3 cells from `at` on: first the distance at its middle
+ * tells whether all of it, or nothing, is removed. */
+static iso_status list_outline_block(const outline_list *list, const int at[3], int side, iso_error *error) {
+    const iso_hgrid *grid = list->editor->transaction.grid;
+    const double half = 0.5 * (ISO_BRICK * side - 1), reach = sqrt(3) * half + 0.01;
+    double middle[3];
+    int p[3], end[3];
+    for (int k = 0; k < 3; k++) {
+        middle[k] = ISO_BRICK * (double)at[k] + half;
+        end[k] = at[k] + side < grid->cells[k] ? at[k] + side : grid->cells[k];
+    }
+    const double distance = iso_outline_distance(list->dabs->outline, middle),
+                 band = (double)list->dabs->band, blend = (double)list->dabs->blend_voxels;
+    if (distance >= reach + band + blend) return ISO_OK;
+    const bool deep = distance <= -(reach + band + blend);
+    if (side == 1) return list_outline_cell(list, at, deep, error);
+    for (p[2] = at[2]; p[2] < end[2]; p[2]++)
+        for (p[1] = at[1]; p[1] < end[1]; p[1]++)
+            for (p[0] = at[0]; p[0] < end[0]; p[0]++)
+                ISO_TRY(deep ? list_outline_cell(list, p, true, error)
+                             : list_outline_block(list, p, 1, error));
+    return ISO_OK;
+}
+
+static iso_status list_outline(iso_editor *editor, const iso_dabs *dabs, iso_error *error) {
+    enum { BLOCK = 4 };
+    const int *cells = editor->transaction.grid->cells;
+    const outline_list list = {editor, dabs};
+    int at[3];
+    for (at[2] = 0; at[2] < cells[2]; at[2] += BLOCK)
+        for (at[1] = 0; at[1] < cells[1]; at[1] += BLOCK)
+            for (at[0] = 0; at[0] < cells[0]; at[0] += BLOCK)
+                ISO_TRY(list_outline_block(&list, at, BLOCK, error));
+    editor->cost += (double)iso_hgrid_cell_count(editor->transaction.grid) * dabs->outline->count / 1024;
+    return iso_transaction_reserve(&editor->transaction, error);
+}
+
 static iso_status list_cells(iso_editor *editor, const iso_dabs *dabs, bool *clipped, iso_error *error) {
+    editor->reached = 0;
+    if (dabs->outline) return list_outline(editor, dabs, error);
     for (int i = 0; i < dabs->count; i++)
         ISO_TRY(list_dab_cells(editor, dabs, &dabs->dab[i], clipped, error));
     if (dabs->tool == ISO_TOOL_MOVE) {
@@ -211,9 +244,14 @@ static void brush_cell(void *context, size_t index, int worker) {
     const brush_pass *pass = context;
     iso_transaction *transaction = &pass->editor->transaction;
     iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
-    float *out = iso_transaction_scratch_brick(transaction, worker);
     iso_painter *painter = &pass->editor->painter;
     bool warped = false;
+    if (edit_cell->removed) {
+        iso_transaction_empty(transaction, index);
+        if (painter->dabs) iso_painter_note(painter, index, &edit_cell->changed, NULL);
+        return;
+    }
+    float *out = iso_transaction_scratch_brick(transaction, worker);
     if (iso_tool_is_warp(pass->dabs->tool))
         warped =
             iso_editor_warp_cell(pass->editor, pass->dabs, edit_cell, &transaction->workers[worker], out);
@@ -294,7 +332,7 @@ static iso_status commit_changes(iso_editor *editor, iso_edit_stats *stats, iso_
  * a seam. Returns 0 if the new values are not exact distances to one solid; redistancing then starts at every
  * changed voxel. */
 static float far_value_of(const iso_dabs *dabs) {
-    if (dabs->count > 1 || dabs->solid == ISO_SOLID_STAMP) return 0;
+    if (!dabs->apart || dabs->solid == ISO_SOLID_STAMP) return 0;
     return dabs->tool == ISO_TOOL_ADD ? dabs->band : dabs->tool == ISO_TOOL_CARVE ? -dabs->band : 0;
 }
 
@@ -303,7 +341,7 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
     iso_transaction *transaction = &editor->transaction;
     brush_pass pass = {.editor = editor, .dabs = dabs};
     ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
-    editor->cost += (double)transaction->cell_count * cell_cost(dabs);
+    editor->cost += cost_of_cells(editor, dabs);
     const bool paints = iso_painter_begin(&editor->painter, dabs);
     if (paints) ISO_TRY(iso_painter_list(&editor->painter, error));
     transaction->far_value = far_value_of(dabs);
@@ -333,7 +371,7 @@ static iso_status touch_paint(iso_editor *editor, const iso_dabs *dabs, iso_edit
     if (!iso_painter_begin(painter, dabs)) return ISO_OK;
     ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
     ISO_TRY(iso_painter_list(painter, error));
-    editor->cost += (double)painter->cell_count * cell_cost(dabs);
+    editor->cost += cost_of_cells(editor, dabs);
     ISO_TRY(commit_changes(editor, stats, error));
     for (size_t i = 0; i < painter->cell_count; i++) stats->edited += iso_painter_cell(painter, i)->differs;
     return ISO_OK;
@@ -416,7 +454,7 @@ static iso_status for_mask_cells(iso_editor *editor, const iso_dabs *dabs, mask_
         for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
             for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
                 for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++)
-                    if (cell_distance(dabs, &dabs->dab[i], at) < influence)
+                    if (iso_dab_brick_distance(dabs, &dabs->dab[i], at) < influence)
                         ISO_TRY(visit(editor, dabs, &dabs->dab[i], at, error));
     }
     return ISO_OK;
@@ -476,6 +514,7 @@ static iso_status change_whole_mask(iso_editor *editor, iso_tool tool, iso_error
 static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                               iso_error *error) {
     ISO_TRY(iso_brush_check(brush, error));
+    if (iso_tool_is_trim(brush->tool)) return ISO_OK; /* its samples are checked one by one */
     const iso_sample *samples[] = {&touch->sample, &touch->previous, &touch->first};
     for (int i = 0; i < 3; i++) {
         const iso_sample *s = samples[i];
@@ -501,10 +540,51 @@ static void make_dabs(const iso_editor *editor, const iso_brush *brush, const is
     if (iso_tool_has_area_plane(brush->tool)) iso_area_planes(editor->transaction.grid, dabs);
 }
 
+/* Removes one image of what a stroke outlines: carves it. */
+static iso_status touch_outline(iso_editor *editor, const iso_brush *brush, const iso_outline *outline,
+                                iso_edit_stats *stats, iso_error *error) {
+    const iso_touch nowhere = {.path = NULL};
+    iso_brush carve = *brush;
+    iso_dabs dabs;
+    carve.tool = brush->blend > 0 ? ISO_TOOL_BLEND_CARVE : ISO_TOOL_CARVE;
+    carve.shape = ISO_SOLID_SPHERE;
+    carve.symmetry = carve.radial = 0;
+    carve.pressure_radius = carve.pressure_strength = false;
+    make_dabs(editor, &carve, &nowhere, &dabs);
+    dabs.outline = outline;
+    const iso_status status = touch_field(editor, &dabs, stats, error);
+    iso_painter_clear(&editor->painter);
+    iso_transaction_clear(&editor->transaction);
+    return status;
+}
+
+static iso_status trim(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
+                       iso_edit_stats *stats, iso_error *error) {
+    const iso_outline_space space = {.affine = &editor->affine, .spacing = editor->spacing};
+    iso_brush_image images[ISO_IMAGES_MOST];
+    const int count = iso_brush_images(brush, images);
+    iso_status status = ISO_OK;
+    for (int i = 0; i < count && status == ISO_OK; i++) {
+        iso_outline outline;
+        ISO_TRY(iso_outline_make(&space, brush->tool, &images[i], touch->path, touch->path_count, &outline,
+                                 error));
+        status = touch_outline(editor, brush, &outline, stats, error);
+        iso_outline_free(&outline);
+    }
+    return status;
+}
+
 int iso_editor_ranges(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                       iso_cell_box ranges[ISO_EDITOR_RANGES]) {
     enum { RINGS = 2 };
     iso_dabs dabs;
+    if (iso_tool_is_trim(brush->tool)) {
+        for (int axis = 0; axis < 3; axis++) {
+            ranges[0].lo[axis] = 0;
+            ranges[0].hi[axis] = editor->transaction.grid->cells[axis] - 1;
+        }
+        return 1;
+    }
     make_dabs(editor, brush, touch, &dabs);
     for (int i = 0; i < dabs.count; i++) {
         cell_range(editor, &dabs, &dabs.dab[i], ranges[i].lo, ranges[i].hi);
@@ -520,10 +600,15 @@ int iso_editor_ranges(const iso_editor *editor, const iso_brush *brush, const is
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                             iso_edit_stats *stats, iso_error *error) {
     ISO_TRY(check_touch(editor, brush, touch, error));
-    iso_dabs dabs;
-    make_dabs(editor, brush, touch, &dabs);
     iso_edit_stats made = {0};
     iso_status status = ISO_OK;
+    if (iso_tool_is_trim(brush->tool)) {
+        status = trim(editor, brush, touch, &made, error);
+        if (status == ISO_OK && stats) *stats = made;
+        return status;
+    }
+    iso_dabs dabs;
+    make_dabs(editor, brush, touch, &dabs);
     if (brush->tool == ISO_TOOL_MASK || brush->tool == ISO_TOOL_UNMASK)
         status = touch_mask(editor, &dabs, error);
     else if (iso_tool_is_whole_mask(brush->tool))
@@ -591,7 +676,13 @@ static void correct_creases(void *context, size_t index, int worker) {
 static iso_status finalize_cells(iso_editor *editor, iso_error *error) {
     iso_transaction *transaction = &editor->transaction;
     bool any;
-    ISO_TRY(list_notified(editor, &editor->notified_cells, editor->notified_count, error));
+    const uint32_t *notified = editor->notified_cells.data;
+    for (size_t i = 0; i < editor->notified_count; i++) {
+        int at[3];
+        if (transaction->grid->cell[notified[i]] < 0) continue; /* distances at the band's end stay there */
+        iso_hgrid_cell_position(transaction->grid, notified[i], at);
+        ISO_TRY(iso_transaction_add(transaction, at, true, error));
+    }
     ISO_TRY(iso_transaction_reserve(transaction, error));
     iso_parallel_for(transaction->pool, transaction->cell_count, correct_creases, editor);
     if (iso_transaction_failed(transaction))

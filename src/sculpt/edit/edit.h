@@ -59,14 +59,14 @@ typedef struct iso_step_opts {
 } iso_step_opts;
 void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts);
 
-/* Applies one touch, and its mirror images according to the brush's symmetry, as one edit of the change log.
+/* Applies one touch, and its images according to the brush's symmetries, as one edit of the change log.
  * `stats` may be NULL. If the touch fails, grid and items are unchanged. ISO_ERR_NOMEM, the errors of the
  * observer; ISO_ERR_USAGE: a bad brush or sample; ISO_ERR_LIMIT: more than ISO_LIMIT_TOUCH_CELLS cells. */
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                             iso_edit_stats *stats, iso_error *error);
 
-/* Boxes of cells, first and last along each axis: one for each mirror image of a touch. */
-enum { ISO_EDITOR_RANGES = 8 };
+/* Boxes of cells, first and last along each axis: one for each image of a touch. */
+enum { ISO_EDITOR_RANGES = ISO_IMAGES_MOST };
 typedef struct iso_cell_box {
     int lo[3], hi[3];
 } iso_cell_box;
@@ -77,7 +77,7 @@ typedef struct iso_cell_box {
 int iso_editor_ranges(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                       iso_cell_box ranges[ISO_EDITOR_RANGES]);
 
-/* Returns the cost of all touches and finalizations so far, mirror images included. The unit is the editing
+/* Returns the cost of all touches and finalizations so far, images included. The unit is the editing
  * of one cell with a plain brush (about 10 microseconds). The same on every machine. */
 double iso_editor_cost(const iso_editor *editor);
 

@@ -12,6 +12,7 @@ struct iso_editor {
     int iterations;
     iso_step_opts opts;
     double cost;        /* see iso_editor_cost */
+    size_t reached;     /* cells of this touch, one within reach of several dabs as often */
     uint32_t step;      /* number of the current step */
     uint32_t *notified; /* by cell: the last step in which the observer was told of its values */
     uint32_t *item_notified[ISO_ITEM_KINDS]; /* the same for each of its items */

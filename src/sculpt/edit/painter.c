@@ -178,22 +178,23 @@ void iso_painter_note(iso_painter *painter, size_t index, const iso_voxel_bits *
 
 /* ---- what the brush's colour does */
 
-/* The dabs of a touch relative to a brick's first voxel, in 1/4096 voxel. */
+/* The dabs of a touch that reach a brick, relative to its first voxel, in 1/4096 voxel. */
 typedef struct local_brush {
+    int count;
     int64_t centre[ISO_DAB_MAX][3];
     double square; /* of the radius */
 } local_brush;
 
-static local_brush make_local_brush(const iso_dabs *dabs, const int brick[3]) {
+static void make_local_brush(const iso_dabs *dabs, const int brick[3], local_brush *local) {
     enum { PART = 4096 }; /* (centres are multiples of 1/4096) */
-    local_brush local;
     const double radius = rint((double)dabs->radius_voxels * PART);
-    for (int i = 0; i < dabs->count; i++)
+    int near[ISO_DAB_MAX];
+    local->count = iso_dabs_find_near(dabs, brick, near);
+    for (int i = 0; i < local->count; i++)
         for (int k = 0; k < 3; k++)
-            local.centre[i][k] = (int64_t)rint(
-                fmin(fmax((dabs->dab[i].centre[k] - ISO_BRICK * (double)brick[k]) * PART, -4e12), 4e12));
-    local.square = radius * radius;
-    return local;
+            local->centre[i][k] = (int64_t)rint(fmin(
+                fmax((dabs->dab[near[i]].centre[k] - ISO_BRICK * (double)brick[k]) * PART, -4e12), 4e12));
+    local->square = radius * radius;
 }
 
 /* The falloff (0 .. ISO_PAINT_ONE) at a squared distance. All is exact or rounded alike everywhere. */
@@ -211,7 +212,7 @@ static int weight_at(const iso_dabs *dabs, const local_brush *local, int voxel) 
     const int64_t at[3] = {4096 * (voxel % ISO_BRICK), 4096 * (voxel / ISO_BRICK % ISO_BRICK),
                            4096 * (voxel / ISO_BRICK_ROWS)};
     double least = INFINITY;
-    for (int i = 0; i < dabs->count; i++) {
+    for (int i = 0; i < local->count; i++) {
         double square = 0;
         for (int k = 0; k < 3; k++) {
             const double d = (double)(at[k] - local->centre[i][k]);
@@ -360,8 +361,8 @@ static void finish_cell(void *context, size_t index, int worker) {
                      .after = edited ? iso_transaction_values(t, edited - 1) : before,
                      .near = near,
                      .old = item_of(painter, cell->cell),
-                     .frozen = iso_mask_bits(iso_transaction_mask(t), cell->cell),
-                     .brush = make_local_brush(painter->dabs, cell->at)};
+                     .frozen = iso_mask_bits(iso_transaction_mask(t), cell->cell)};
+    make_local_brush(painter->dabs, cell->at, &s.brush);
     if (near) t->dab->find_band(before, t->grid->band, &s.inside);
     iso_voxel_bits differing;
     make_colors(&s, cell->made->voxel);

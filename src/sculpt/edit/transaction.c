@@ -6,7 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/kernel_units.h"
 #include "sculpt/edit/mask_boundary.h"
 
 /* The width of the band in voxels: a change nearer than this to a face can change distances in the cell
@@ -27,7 +26,7 @@ iso_status iso_transaction_init(iso_transaction *transaction, iso_hgrid *grid, i
     transaction->grid = grid;
     transaction->pool = pool;
     transaction->redistancer = iso_redistancer_get(iso_cpu_best());
-    transaction->dab = ISO_KERNEL_UNIT(iso_dab_kernel, iso_cpu_best());
+    transaction->dab = iso_dab_kernel_get(iso_cpu_best());
     transaction->edit_cell_of = iso_alloc_zero(cells, sizeof *transaction->edit_cell_of);
     transaction->workers = iso_alloc_zero(threads, sizeof *transaction->workers);
     for (int sign = 0; sign < 2; sign++) {
@@ -245,6 +244,14 @@ void iso_transaction_accept_scratch(iso_transaction *transaction, size_t number,
     if (!edit_cell->edited) return;
     edit_cell->value[transaction->current] = edit_cell->own[0] = values;
     transaction->workers[worker].brick = NULL;
+}
+
+void iso_transaction_empty(iso_transaction *transaction, size_t number) {
+    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, number);
+    const float *before = iso_transaction_grid_values(transaction, edit_cell->state);
+    float *outside = transaction->constant[0]; /* (not written where nothing is frozen) */
+    edit_cell->edited = transaction->dab->find_changes(before, NULL, outside, &edit_cell->changed);
+    if (edit_cell->edited) edit_cell->value[transaction->current] = outside;
 }
 
 /* Removes the cells that the brush did not change from the list. */

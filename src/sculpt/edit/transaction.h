@@ -32,6 +32,7 @@ typedef struct iso_edit_cell {
     int at[3];              /* position in the grid, in cells */
     int32_t state;          /* the grid's entry before the touch */
     const float *source;    /* the values that the brush began with; NULL: the grid's */
+    bool removed;           /* an outline removes all of it (list_outline_cell of edit.c) */
     bool edited;            /* the brush changed it; otherwise a neighbour that redistancing may change */
     iso_voxel_bits changed; /* voxels that the brush changed; after compare: that differ from the grid */
     iso_marked_rows rows;   /* of an edited cell: rows with voxels where redistancing starts */
@@ -127,6 +128,10 @@ float *iso_transaction_scratch_brick(iso_transaction *transaction, int worker);
 /* Makes the worker's brick the cell's current values, with frozen voxels restored, and finds `changed`. If
  * nothing changed, clears `edited` and keeps the brick for the worker's next cell. */
 void iso_transaction_accept_scratch(iso_transaction *transaction, size_t index, int worker);
+
+/* Makes the cell's current values those of a cell outside, and finds `changed` and `edited`; no voxel of it
+ * is frozen. */
+void iso_transaction_empty(iso_transaction *transaction, size_t index);
 
 /* Returns a cell's current values, to be written. Values that are the grid's or constant are first copied to
  * a scratch brick, which must have been reserved. */

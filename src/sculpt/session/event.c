@@ -68,10 +68,14 @@ static json_t *brush_json(const iso_brush *brush) {
         "strength", brush->strength, "aspect", brush->aspect, "blend", brush->blend, "spacing",
         brush->spacing, "symmetry", (int)brush->symmetry, "mirror", vector_json(brush->mirror),
         "pressure_radius", brush->pressure_radius, "pressure_strength", brush->pressure_strength);
-    char color[8];
-    if (!object || !brush->has_color) return object;
+    char color[8], axis[2] = {(char)('x' + iso_brush_radial_axis(brush)), 0};
+    int failed = !object;
+    if (!failed && iso_brush_is_radial(brush))
+        failed |= json_object_set_new(object, "radial", json_integer(brush->radial)) ||
+                  json_object_set_new(object, "radial_axis", json_string(axis));
     snprintf(color, sizeof color, "#%02x%02x%02x", brush->color.r, brush->color.g, brush->color.b);
-    if (!json_object_set_new(object, "color", json_string(color))) return object;
+    if (!failed && brush->has_color) failed |= json_object_set_new(object, "color", json_string(color));
+    if (!failed) return object;
     json_decref(object);
     return NULL;
 }
@@ -288,6 +292,18 @@ static iso_status read_color(const json_t *object, iso_brush *brush, iso_error *
     return ISO_OK;
 }
 
+/* Reads the radial symmetry of a brush; many have none. */
+static iso_status read_radial(const json_t *object, iso_brush *brush, iso_error *error) {
+    const char *axis = text_of(object, "radial_axis");
+    json_int_t radial = 0;
+    if (!json_object_get(object, "radial")) return ISO_OK;
+    ISO_TRY(get_integer(object, "radial", ISO_LIMIT_RADIAL, &radial, error));
+    if (strlen(axis) != 1 || !strchr("xyz", *axis)) return bad_member("radial_axis", "x, y or z", error);
+    brush->radial = (unsigned)radial;
+    brush->radial_axis = *axis;
+    return ISO_OK;
+}
+
 static iso_status read_brush(const json_t *object, iso_brush *brush, iso_error *error) {
     if (!json_is_object(object)) return bad_member("brush", "an object", error);
     json_int_t symmetry = 0;
@@ -300,6 +316,7 @@ static iso_status read_brush(const json_t *object, iso_brush *brush, iso_error *
     ISO_TRY(get_integer(object, "symmetry", ISO_LIMIT_SYMMETRY, &symmetry, error));
     brush->symmetry = (unsigned)symmetry;
     ISO_TRY(get_vector(object, "mirror", &brush->mirror, error));
+    ISO_TRY(read_radial(object, brush, error));
     ISO_TRY(get_flag(object, "pressure_radius", &brush->pressure_radius, error));
     ISO_TRY(get_flag(object, "pressure_strength", &brush->pressure_strength, error));
     return read_color(object, brush, error);

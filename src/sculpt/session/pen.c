@@ -25,12 +25,14 @@ static iso_sample sample_between(const iso_sample *a, const iso_sample *b, doubl
 iso_status iso_pen_begin(iso_pen *pen, const iso_brush *brush, const iso_sample *sample, iso_error *error) {
     pen->brush = *brush;
     pen->first = pen->previous = *sample;
+    if (iso_tool_is_trim(brush->tool)) return ISO_OK;
     return touch_sample(pen, sample, error);
 }
 
 iso_status iso_pen_move(iso_pen *pen, const iso_sample *sample, iso_error *error) {
     const iso_brush *brush = &pen->brush;
     if (iso_tool_is_whole_mask(brush->tool)) return ISO_OK; /* the first touch has done it */
+    if (iso_tool_is_trim(brush->tool)) return ISO_OK;       /* the last one does it */
     if (brush->tool == ISO_TOOL_MOVE ||
         (brush->shape == ISO_SOLID_CAPSULE && brush->tool <= ISO_TOOL_BLEND_CARVE))
         return touch_sample(pen, sample, error); /* one touch covers the whole line */
@@ -45,4 +47,13 @@ iso_status iso_pen_move(iso_pen *pen, const iso_sample *sample, iso_error *error
         ISO_TRY(touch_sample(pen, &s, error));
     }
     return ISO_OK;
+}
+
+iso_status iso_pen_end(iso_pen *pen, const iso_sample *path, size_t count, iso_error *error) {
+    const iso_touch touch = {.sample = path[count - 1],
+                             .previous = path[count - 1],
+                             .first = path[0],
+                             .path = path,
+                             .path_count = count};
+    return iso_tool_is_trim(pen->brush.tool) ? pen->touch(pen->context, &pen->brush, &touch, error) : ISO_OK;
 }

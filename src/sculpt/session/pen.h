@@ -17,4 +17,8 @@ typedef struct iso_pen {
 iso_status iso_pen_begin(iso_pen *pen, const iso_brush *brush, const iso_sample *sample, iso_error *error);
 iso_status iso_pen_move(iso_pen *pen, const iso_sample *sample, iso_error *error);
 
+/* Ends the stroke, whose samples are all of `path`: a tool that acts at its end (iso_tool_is_trim) makes its
+ * touch now, and none before. */
+iso_status iso_pen_end(iso_pen *pen, const iso_sample *path, size_t count, iso_error *error);
+
 #endif

@@ -600,6 +600,10 @@ iso_status iso_session_end(iso_session *session, iso_error *error) {
         ISO_TRY(draw_list(session, NULL, error));
         ISO_TRY(write_list(session, "insert", error));
     } else {
+        size_t count;
+        const iso_sample *path = iso_stroke_log_samples(&session->log, &count);
+        session->stats = NULL;
+        ISO_TRY(iso_pen_end(&session->pen, path, count, error));
         ISO_TRY(iso_editor_finalize(session->editor, error));
         const bool step = iso_history_open_cells(session->history) > 0;
         ISO_TRY(iso_history_end(session->history, error));

@@ -56,7 +56,8 @@ bool iso_session_masked(const iso_session *session, int x, int y, int z); /* a v
 /* Draw a stroke: begin with its first sample, then further samples, then end or cancel. A sample makes
  * touches between the last touch and itself, as many as the brush's spacing gives, possibly none. `stats` may
  * be NULL and are added to. ISO_ERR_USAGE: the wrong order of calls, a bad brush or sample, or more than
- * ISO_LIMIT_TOUCHES touches, of which none is made; also the errors of iso_editor_touch. */
+ * ISO_LIMIT_TOUCHES touches, of which none is made; also the errors of iso_editor_touch. A stroke that cannot
+ * be ended, as one that trims and outlines nothing, goes on, and can be cancelled. */
 iso_status iso_session_begin(iso_session *session, const iso_brush *brush, const iso_sample *sample,
                              iso_edit_stats *stats, iso_error *error);
 iso_status iso_session_sample(iso_session *session, const iso_sample *sample, iso_edit_stats *stats,

@@ -79,6 +79,12 @@ iso_status iso_stroke_log_sample(iso_stroke_log *log, const iso_sample *sample, 
     return add_sample(entry_at(log, log->position - 1), sample, error);
 }
 
+const iso_sample *iso_stroke_log_samples(const iso_stroke_log *log, size_t *count) {
+    const iso_stroke_entry *entry = entry_at(log, log->position - 1);
+    *count = entry->sample_count;
+    return entry->samples.data;
+}
+
 void iso_stroke_log_end(iso_stroke_log *log, bool step) {
     log->changes++;
     entry_at(log, log->position - 1)->step = step;

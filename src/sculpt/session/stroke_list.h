@@ -51,6 +51,8 @@ void iso_stroke_log_free(iso_stroke_log *log);
 iso_status iso_stroke_log_add(iso_stroke_log *log, const iso_event *event, iso_stamp *stamp, bool step,
                               iso_error *error);
 iso_status iso_stroke_log_sample(iso_stroke_log *log, const iso_sample *sample, iso_error *error);
+/* The samples of the last entry, and their number. */
+const iso_sample *iso_stroke_log_samples(const iso_stroke_log *log, size_t *count);
 /* Decides whether the last entry, which was added with step = false, is a step after all. */
 void iso_stroke_log_end(iso_stroke_log *log, bool step);
 /* Removes the last entry, which iso_stroke_log_end has not been called for; an undone step stays undone. */

@@ -296,18 +296,18 @@ static bool contains(const iso_cell_box *outer, const iso_cell_box *inner) {
 /* iso_pen.touch: adds the ranges of a touch to those of its stroke. */
 static iso_status add_ranges(void *context, const iso_brush *brush, const iso_touch *touch,
                              iso_error *error) {
-    enum { RECENT = 16 };
     iso_versions *v = context;
     iso_cell_box made[ISO_EDITOR_RANGES];
     ISO_TRY(iso_brush_check(brush, error));
     const int count = iso_editor_ranges(v->editor, brush, touch, made);
+    const size_t recent = count > 8 ? 2 * (size_t)count : 16; /* those of the last two touches */
     ISO_TRY(iso_buffer_reserve(&v->ranges, (v->range_count + (size_t)count + 1) * sizeof *made,
                                v->range_count * sizeof *made, error));
     iso_cell_box *ranges = v->ranges.data;
     if (!v->range_count) ranges[v->range_count++] = made[0];
     for (int i = 0; i < count; i++) {
         bool known = false;
-        for (size_t k = v->range_count; k-- > 1 && k + RECENT > v->range_count && !known;)
+        for (size_t k = v->range_count; k-- > 1 && k + recent > v->range_count && !known;)
             known = contains(&ranges[k], &made[i]);
         for (int axis = 0; axis < 3; axis++) {
             if (made[i].lo[axis] < ranges[0].lo[axis]) ranges[0].lo[axis] = made[i].lo[axis];
@@ -331,7 +331,7 @@ static iso_status follow(iso_versions *v, const iso_stroke *stroke,
     iso_pen pen = {.touch = touch, .context = v};
     ISO_TRY(iso_pen_begin(&pen, &stroke->brush, &stroke->samples[0], error));
     for (size_t i = 1; i < stroke->count; i++) ISO_TRY(iso_pen_move(&pen, &stroke->samples[i], error));
-    return ISO_OK;
+    return iso_pen_end(&pen, stroke->samples, stroke->count, error);
 }
 
 /* Brings all that a stroke can read to this place of the new list. */

@@ -182,7 +182,7 @@ static void colors_are_the_same_everywhere(void **state) {
         uint32_t seed = 77;
         size_t most = 0;
         for (int i = 0; i < 60; i++) {
-            iso_brush brush = session_random_brush(&seed, ISO_TOOL_COUNT);
+            iso_brush brush = session_random_brush(&seed, ISO_TOOL_TRIM_PLANE);
             iso_vec3 path[3];
             if (brush.tool == ISO_TOOL_INVERT_MASK || brush.tool == ISO_TOOL_MASK)
                 brush.tool = ISO_TOOL_PAINT;

@@ -415,7 +415,7 @@ static iso_touch random_touch(uint32_t *seed) {
                     &sample.normal.x,   &sample.normal.y,   &sample.normal.z};
     for (int i = 0; i < 6; i++) *p[i] = i < 3 ? 80 * uniform(seed) - 8 : uniform(seed) - 0.5;
     sample.normal = iso_vec3_unit(sample.normal);
-    iso_touch touch = {sample, sample, sample};
+    iso_touch touch = {.sample = sample, .previous = sample, .first = sample};
     touch.previous.position.x += 6 * uniform(seed);
     return touch;
 }
@@ -630,7 +630,7 @@ static void bad_brushes_are_named(void **state) {
     iso_hgrid *grid = sculpt_ball(32, iso_vec3_make(15, 15, 15), 8);
     iso_editor *editor = make_editor(grid, NULL);
     iso_sample sample = {.normal = {0, 0, 1}, .pressure = 1};
-    iso_touch touch = {sample, sample, sample}, lost = touch;
+    iso_touch touch = {.sample = sample, .previous = sample, .first = sample}, lost = touch;
     lost.sample.position.y = NAN;
     const struct {
         iso_brush brush;

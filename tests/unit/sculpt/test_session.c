@@ -34,7 +34,7 @@ static void play_tools(iso_session *session, int tools, int events, uint32_t see
 }
 
 static void play_random(iso_session *session, int events, uint32_t seed) {
-    play_tools(session, ISO_TOOL_COUNT, events, seed);
+    play_tools(session, ISO_TOOL_TRIM_PLANE, events, seed);
 }
 
 /* ---- history */
@@ -54,7 +54,7 @@ static void undo_restores_every_bit(void **state) {
         uint32_t seed = 77;
         for (int i = 0; i < STROKES;) {
             before[i] = session_field_of(session);
-            iso_brush brush = session_random_brush(&seed, ISO_TOOL_COUNT);
+            iso_brush brush = session_random_brush(&seed, ISO_TOOL_TRIM_PLANE);
             iso_vec3 at = iso_vec3_scale(session_random_sample(&seed).normal, 10);
             iso_sample sample = {.position = at, .normal = iso_vec3_unit(at), .pressure = 1}, next = sample;
             next.position = iso_vec3_scale(iso_vec3_unit(iso_vec3_add(at, iso_vec3_make(3, 1, 2))), 10);
@@ -94,7 +94,7 @@ static void cancelled_strokes_leave_nothing(void **state) {
     uint32_t seed = 5;
     for (int i = 0; i < 20; i++) {
         session_field before = session_field_of(session);
-        iso_brush brush = session_random_brush(&seed, ISO_TOOL_COUNT);
+        iso_brush brush = session_random_brush(&seed, ISO_TOOL_TRIM_PLANE);
         iso_sample sample = session_random_sample(&seed), next = session_random_sample(&seed);
         assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_OK);
         assert_int_equal(iso_session_begin(session, &brush, &sample, NULL, NULL), ISO_ERR_USAGE);
@@ -280,7 +280,7 @@ static void numbers_come_back_exactly(void **state) {
         put[i].kind = i % 2 ? ISO_EVENT_SAMPLE : ISO_EVENT_BEGIN;
         put[i].sample = session_random_sample(&seed);
         put[i].sample.position.x *= pow(10, (int)(uniform(&seed) * 34) - 30); /* (limits.h) */
-        if (put[i].kind == ISO_EVENT_BEGIN) put[i].brush = session_random_brush(&seed, ISO_TOOL_COUNT);
+        if (put[i].kind == ISO_EVENT_BEGIN) put[i].brush = session_random_brush(&seed, ISO_TOOL_TRIM_PLANE);
         assert_int_equal(iso_journal_put(j, &put[i], NULL), ISO_OK);
     }
     assert_int_equal(iso_journal_close(j, NULL), ISO_OK);
@@ -508,7 +508,7 @@ static void play_until_killed(const char *journal, uint32_t seed, int said) {
     iso_session_opts opts = {.journal = journal, .checkpoint_strokes = 5};
     iso_session *session = session_open(&opts);
     for (;;) {
-        iso_brush brush = session_random_brush(&seed, ISO_TOOL_COUNT);
+        iso_brush brush = session_random_brush(&seed, ISO_TOOL_TRIM_PLANE);
         iso_sample sample = session_random_sample(&seed), next = session_random_sample(&seed);
         if (iso_session_begin(session, &brush, &sample, NULL, NULL) != ISO_OK) _exit(1);
         if (iso_session_sample(session, &next, NULL, NULL) != ISO_OK) _exit(1);

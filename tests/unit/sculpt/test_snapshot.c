@@ -35,7 +35,7 @@ static void *take(void *context) {
 
 static void play(iso_session *session, uint32_t *seed, int events, bool *drawing) {
     for (int i = 0; i < events; i++) {
-        iso_event event = session_random_event(seed, ISO_TOOL_COUNT, drawing);
+        iso_event event = session_random_event(seed, ISO_TOOL_TRIM_PLANE, drawing);
         iso_status status = iso_session_play(session, &event, NULL, NULL);
         assert_true(status == ISO_OK || event.kind == ISO_EVENT_UNDO || event.kind == ISO_EVENT_REDO);
     }

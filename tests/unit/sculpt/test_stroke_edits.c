@@ -64,7 +64,7 @@ static void assert_is_fresh(iso_session *session) {
 static void draw(iso_session *session, uint32_t *seed, unsigned before) {
     iso_event event = {.kind = ISO_EVENT_BEGIN, .before = before};
     const bool large = iso_session_grid(session)->dims[0] == LARGE.dims[0];
-    event.brush = session_random_brush(seed, large ? ISO_TOOL_CLEAR_MASK : ISO_TOOL_COUNT);
+    event.brush = session_random_brush(seed, large ? ISO_TOOL_CLEAR_MASK : ISO_TOOL_TRIM_PLANE);
     event.brush.radius = 0.5 + 2 * uniform(seed);
     event.sample = session_random_sample(seed);
     event.sample.position = iso_vec3_scale(event.sample.normal, (large ? 29 : 9) + 2 * uniform(seed));
@@ -106,7 +106,7 @@ static void edit(iso_session *session, int kind, uint32_t *seed) {
     if (kind == 3) event.before = before;
     event.brush.radius *= 0.7 + 0.6 * uniform(seed);
     if (uniform(seed) < 0.3) event.brush.symmetry ^= 1;
-    if (uniform(seed) < 0.2) event.brush.tool = (iso_tool)(uniform(seed) * ISO_TOOL_COUNT);
+    if (uniform(seed) < 0.2) event.brush.tool = (iso_tool)(uniform(seed) * ISO_TOOL_TRIM_PLANE);
     iso_stroke_list_free(&list);
     iso_error error = {0};
     if (iso_session_edit(session, &event, &error) != ISO_OK) fail_msg("%s", error.text);
