@@ -1,6 +1,6 @@
 /* instances: render/selection/instances.h by OpenGL. Each instance is drawn into the part of the picture that
  * it can cover; those outside the picture or hidden by nearer ones are left out, and so are the parts of the
- * others that are hidden. */
+ * others that are hidden. As they are drawn from front to back, this needs no frame before. */
 #ifndef ISO_RENDER_GL_INSTANCES_H
 #define ISO_RENDER_GL_INSTANCES_H
 

@@ -18,11 +18,13 @@
  * way, until there are none. 4., 5. The sums of the discs that are not hidden, and their division
  * (discs.c).
  *
- * Several surfaces in one picture are drawn one after the other, each with marks of its own frame before
- * and its own placement in this frame, so that they may move. What the samples of those drawn before hide
- * is left out in the same way. (In the paper all objects are drawn into one depth buffer, and pixels hold
- * packed numbers of object and point, which are sorted by object; here a point's mark belongs to its
- * surface.)
+ * Several surfaces in one picture are drawn one after the other, from the nearest on, each with marks of
+ * its own frame before and its own placement in this frame, so that they may move, and each in the part of
+ * the picture that it covers. What the samples of those drawn before hide is left out in the same way. (In
+ * the paper all objects are drawn into one depth buffer, and pixels hold packed numbers of object and
+ * point, which are sorted by object; here a point's mark belongs to its surface. The points of ten objects
+ * as one surface, which is the most that one depth buffer could save, take as long:
+ * tests/bench/gl_selection.c.)
  *
  * The frame before only decides what is drawn first. A point is left out only when all that it could change
  * lies behind the fronts, a block only when all that its points could change does, also by taking a quarter
