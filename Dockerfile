@@ -1,6 +1,6 @@
 # isorender in a container:  docker build -t isopoint .
 #                            docker run --rm -v "$PWD:/data" isopoint volumes/stent.nrrd stent.png --isovalue 600
-# Tested without Docker: ./run test docker executes these lines in a Debian of debootstrap.
+# ./run test docker executes these lines without Docker, in a Debian of debootstrap for each stage.
 FROM debian:12 AS build
 RUN apt-get update && apt-get install -y --no-install-recommends git
 COPY . /isopoint

@@ -52,7 +52,9 @@ execute() {
     RUN)
         [ "$stage" -gt 1 ] || [ -z "$packages" ] || return 0
         echo "docker.sh: RUN $arguments"
-        in_root "cd $workdir && $arguments" </dev/null >build/docker.log 2>&1 || { tail -n 20 build/docker.log; fail "RUN $arguments"; }
+        local status=0
+        in_root "cd $workdir && $arguments" </dev/null >build/docker.log 2>&1 || status=$?
+        [ "$status" -eq 0 ] || { tail -n 40 build/docker.log; fail "RUN $arguments ended with $status"; }
         ;;
     COPY) copy $arguments ;;
     WORKDIR)
