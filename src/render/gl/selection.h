@@ -3,20 +3,21 @@
  *
  * The paper's passes for a frame, and what takes their place here:
  *
- * 1. Visibility splatting of the points seen in the frame before. Here: of those whose discs made the
- * front of some pixel in it, which are few of those seen where points are dense. 2. All points are drawn
- * as pixels with their numbers, and the numbers are read back. Here: a vertex shader tests the discs of
- * all blocks seen in the frame before against the deepest fronts of the squares of pixels that they reach,
- * and marks those that are not hidden; a compute shader lists these for an indirect draw. So every disc is
- * drawn that changes a pixel. It also marks discs that may make a front: small flat ones that are hit no
- * farther than the front of some pixel, and all others. With ISO_SELECTION_VISIBLE small flat discs are
- * chosen instead, without fronts: one minimum of depths for each of the four quarters of a pixel, and one
- * for the discs that cover the pixel's centre; the points with these depths are visible. So there are up
- * to six points a pixel, and every pixel that some disc covers stays covered. 3. Visibility splatting of
- * points that have become visible: those that may make a front by pass 2 and did not in the frame before.
- * Then blocks that the fronts do not hide and that were not seen in the frame before are added in the same
- * way, until there are none. 4., 5. The sums of the discs that are not hidden, and their division
- * (discs.c).
+ *   1. Visibility splatting of the points seen in the frame before. Here: of those whose discs made the front
+ *      of some pixel in it, which are few of those seen where points are dense.
+ *   2. All points are drawn as pixels with their numbers, and the numbers are read back. Here: a vertex
+ *      shader tests the discs of all blocks seen in the frame before against the deepest fronts of the
+ *      squares of pixels that they reach, and marks those that are not hidden; a compute shader lists these
+ *      for an indirect draw. So every disc is drawn that changes a pixel. It also marks discs that may make a
+ *      front: small flat ones that are hit no farther than the front of some pixel, and all others. With
+ *      ISO_SELECTION_VISIBLE small flat discs are chosen instead, without fronts: one minimum of depths for
+ *      each of the four quarters of a pixel, and one for the discs that cover the pixel's centre; the points
+ *      with these depths are visible. So there are up to six points a pixel, and every pixel that some disc
+ *      covers stays covered.
+ *   3. Visibility splatting of points that have become visible: those that may make a front by pass 2 and did
+ *      not in the frame before. Then blocks that the fronts do not hide and that were not seen in the frame
+ *      before are added in the same way, until there are none.
+ *   4., 5. The sums of the discs that are not hidden, and their division (discs.c).
  *
  * Several surfaces in one picture are drawn one after the other, from the nearest on, each with marks of
  * its own frame before and its own placement in this frame, so that they may move, and each in the part of
