@@ -252,15 +252,21 @@ static bool explain_known(const iso_program *program, const char *name, char *hi
     return true;
 }
 
-/* Explains a name of several words by fewer that are known: without the last one, or without the first. */
+/* Explains a name of several words by those of them that are known: by as many neighbours as possible, the
+ * first ones of several. */
 static bool explain_words(const iso_program *program, const char *name, char *hint, size_t size) {
-    char part[NAME_MAX_LENGTH + 1];
-    const char *const last = strrchr(name, '-');
-    if (!last) return false;
-    snprintf(part, sizeof part, "%.*s", (int)(last - name), name);
-    const char *const rest = strchr(name, '-') + 1;
-    return explain_known(program, part, hint, size) || explain_known(program, rest, hint, size) ||
-           explain_words(program, part, hint, size) || explain_words(program, rest, hint, size);
+    int begin[NAME_MAX_LENGTH + 2] = {0}, words = 1;
+    for (int i = 0; name[i]; i++)
+        if (name[i] == '-') begin[words++] = i + 1;
+    begin[words] = (int)strlen(name) + 1;
+    for (int count = words - 1; count > 0; count--)
+        for (int first = 0; first + count <= words; first++) {
+            char part[NAME_MAX_LENGTH + 1];
+            const int length = begin[first + count] - 1 - begin[first];
+            snprintf(part, sizeof part, "%.*s", length, name + begin[first]);
+            if (*part && explain_known(program, part, hint, size)) return true;
+        }
+    return false;
 }
 
 /* Writes a name as the names of options are written: in lower case, words joined by '-'. */

@@ -56,8 +56,8 @@ static double parse_cell(csv *c, int column) {
     return iso_row_number(&cell, "", &number) && *cell == 0 ? number : (double)NAN;
 }
 
-/* Whether a cell begins as a number and goes on as something else, as "3.1+e2". A missing number is empty or
- * a word. */
+/* Whether a cell begins as a number and goes on as something else, as "3.1+e2". A missing number is an empty
+ * cell, or a word. */
 static bool has_rubbish(const char *cell) {
     char *end;
     strtod(cell, &end);
