@@ -133,6 +133,35 @@ ISO_INLINE vf weight(const iso_dabs *dabs, vf distance) {
     return falloff(dabs, distance) * v_set(dabs->strength);
 }
 
+/* Interpolates linearly. Exchanging a with b and t with 1 - t gives the same bits, so that mirrored fields
+ * stay mirrored. */
+ISO_INLINE vf mix(vf a, vf b, vf t) {
+    return a * (v_set(1) - t) + b * t;
+}
+
+/* Returns the heights of a picture (0 .. 1) at positions relative to the dab; 0 beside it. */
+ISO_INLINE vf height_at(const iso_heights *h, float radius, const iso_local_dab *dab, const vf_vector *p) {
+    const float scale = 0.5f * (float)(h->width > h->height ? h->width : h->height) / radius;
+    const vf zero = v_set(0), low = v_set(0.5f * (float)(h->width + 1)),
+             top = v_set(0.5f * (float)(h->height + 1));
+    const vf x = v_min(v_max(low + dot(p, dab->axis[0]) * v_set(scale), zero),
+                       v_set((float)h->width + 0.999f)),
+             y = v_min(v_max(top - dot(p, dab->axis[1]) * v_set(scale), zero),
+                       v_set((float)h->height + 0.999f));
+    const vf column = v_to_float(v_trunc(x)), row = v_to_float(v_trunc(y)), across = x - column,
+             down = y - row;
+    const vi at = v_trunc(row * v_set((float)(h->width + 2)) + column);
+    const float *below = h->value + h->width + 2;
+    return mix(mix(v_gather(h->value, at), v_gather(h->value + 1, at), across),
+               mix(v_gather(below, at), v_gather(below + 1, at), across), down);
+}
+
+/* Returns the weight of a dab at positions relative to it. */
+ISO_INLINE vf dab_weight(const iso_dabs *dabs, const iso_local_dab *dab, const vf_vector *p) {
+    const vf w = weight(dabs, length3(p->x, p->y, p->z));
+    return dabs->heights ? w * height_at(dabs->heights, dabs->radius_voxels, dab, p) : w;
+}
+
 /* Returns the distance to the union of the field f and the solid s. With a blend width, the crease between
  * the two is filleted where f is inside the band. */
 ISO_INLINE vf unite(const iso_dabs *dabs, vf f, vf s) {
@@ -271,7 +300,7 @@ ISO_INLINE vf mirrored_change(const iso_dabs *dabs, const iso_local_dabs *local,
     vf part[ISO_MIRRORED_MAX];
     for (int i = 0; i < local->count; i++) {
         const vf_vector p = position_from_dab(&local->dab[i], row, x);
-        part[i] = distance_change(dabs, &local->dab[i], &p, weight(dabs, length3(p.x, p.y, p.z)), f);
+        part[i] = distance_change(dabs, &local->dab[i], &p, dab_weight(dabs, &local->dab[i], &p), f);
     }
     return sum_mirrored(local, part);
 }
@@ -281,7 +310,7 @@ ISO_INLINE vf radial_change(const iso_dabs *dabs, const iso_local_dabs *local, i
     vf sum = v_set(0);
     for (int i = 0; i < local->count; i++) {
         const vf_vector p = position_from_dab(&local->dab[i], row, x);
-        const vf w = weight(dabs, length3(p.x, p.y, p.z));
+        const vf w = dab_weight(dabs, &local->dab[i], &p);
         sum += snap(distance_change(dabs, &local->dab[i], &p, w, f));
         add_weight(&all, w);
     }
@@ -320,7 +349,7 @@ static void edit_smooth(const iso_dabs *dabs, const iso_local_dabs *local, const
             vf w = v_set(0);
             for (int i = 0; i < local->count; i++) {
                 const vf_vector p = position_from_dab(&local->dab[i], row, x);
-                w = v_max(w, weight(dabs, length3(p.x, p.y, p.z)));
+                w = v_max(w, dab_weight(dabs, &local->dab[i], &p));
             }
             const vf f = v_load(phi->self + row * ISO_BRICK + x);
             v_store(out + row * ISO_BRICK + x, f + w * mean_excess(phi, row, x, dabs->band));
@@ -449,12 +478,6 @@ static bool warp(const iso_dabs *dabs, const int brick[3], iso_warp *warp) {
             v_store(warp->position[2] + at, v_set((float)(row / ISO_BRICK)) + snap(shift.z));
         }
     return moved != 0;
-}
-
-/* Interpolates linearly. Exchanging a with b and t with 1 - t gives the same bits, so that mirrored fields
- * stay mirrored. */
-ISO_INLINE vf mix(vf a, vf b, vf t) {
-    return a * (v_set(1) - t) + b * t;
 }
 
 static void sample(const iso_warp *warp, const iso_field_window *window, float *out) {
