@@ -58,6 +58,15 @@ typedef enum iso_falloff {
     ISO_FALLOFF_COUNT
 } iso_falloff;
 
+/* Whether a picture of heights, set by iso_sculpt_set_stamp, weighs what SMOOTH to CLAY do: its longest side
+ * is twice the radius, black does nothing, and its upper edge points to .. */
+typedef enum iso_alpha {
+    ISO_ALPHA_NONE,
+    ISO_ALPHA_FIXED,   /* .. the z axis, as far as the surface allows; where it cannot, the y axis */
+    ISO_ALPHA_FOLLOWS, /* .. where the stroke goes; at its first sample as FIXED */
+    ISO_ALPHA_COUNT
+} iso_alpha;
+
 /* A brush. Members that are 0 mean: tool add, sphere, smooth falloff, full strength (for tools with a
  * strength), aspect 0.5, blend and spacing 0.25 of the radius, no symmetry. The radius must be set. With both
  * symmetries each image is mirrored, too. Where radial images overlap, they act as one of their mean. */
@@ -65,14 +74,15 @@ typedef struct iso_brush {
     iso_tool tool;
     iso_solid shape;
     iso_falloff falloff;
-    double radius;          /* mm, > 0 */
-    double strength;        /* 0 .. 1 */
-    double aspect;          /* of a box, cylinder or torus, in radii: see iso_solid */
-    double blend;           /* width of the smooth transition of BLEND tools, mm */
-    double spacing;         /* distance between touches along the stroke, in radii */
-    unsigned symmetry;      /* bit a: mirrored at the plane through `mirror` perpendicular to axis a */
-    iso_vec3 mirror;        /* a point in the world, mm */
-    unsigned radial;        /* 2 .. 32: images, each turned by a further 1 / radial of a turn; 0, 1: none */
+    double radius;     /* mm, > 0 */
+    double strength;   /* 0 .. 1 */
+    double aspect;     /* of a box, cylinder or torus, in radii: see iso_solid */
+    double blend;      /* width of the smooth transition of BLEND tools, mm */
+    double spacing;    /* distance between touches along the stroke, in radii */
+    unsigned symmetry; /* bit a: mirrored at the plane through `mirror` perpendicular to axis a */
+    iso_vec3 mirror;   /* a point in the world, mm */
+    unsigned radial;   /* 2 .. 32: images, each turned by a further 1 / radial of a turn; 0, 1: none */
+    iso_alpha alpha;
     char radial_axis;       /* 'x', 'y' or 'z' (0: 'z'): what they turn around, through `mirror` */
     bool pressure_radius;   /* pressure scales the radius */
     bool pressure_strength; /* pressure scales the strength */
@@ -176,9 +186,10 @@ ISO_API iso_status iso_sculpt_delete(iso_sculpt *sculpt, unsigned first, unsigne
 /* `before`: the number of the stroke that they are drawn before; 0: they are drawn last. */
 ISO_API iso_status iso_sculpt_move(iso_sculpt *sculpt, unsigned first, unsigned last, unsigned before,
                                    iso_error *error);
-/* Sets the solid of ISO_SOLID_STAMP: the inside of a mesh in an .stl, .obj, .ply, .glb or .3mf file,
- * small holes closed. Its longest side is twice the brush's radius. The journal gets a copy of its
- * distance field. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh encloses nothing), ISO_ERR_USAGE (a
+/* Sets the stamp: for ISO_SOLID_STAMP the inside of a mesh in an .stl, .obj, .ply, .glb or .3mf file, small
+ * holes closed, or for iso_brush.alpha the greys of a .png file (8 or 16 bits; more than 256 pixels along a
+ * side are averaged). Its longest side is twice the brush's radius. The journal gets a copy of its distance
+ * field or heights. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh encloses nothing), ISO_ERR_USAGE (a
  * stroke is in progress). */
 ISO_API iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error);
 /* Returns ISO_OK, or why the journal is incomplete (such as a full disk). Writing is tried again. */

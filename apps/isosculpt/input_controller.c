@@ -185,6 +185,8 @@ static iso_brush stroke_brush(const isosculpt_controller *controller, unsigned m
         brush.has_color = !(modifiers & (ISOSCULPT_MODIFIER_CTRL | ISOSCULPT_MODIFIER_ALT));
     else
         brush.has_color &= isosculpt_tool_has_color(brush.tool);
+    const iso_stamp *stamp = iso_session_stamp(controller->document->session);
+    if (!iso_tool_has_alpha(brush.tool) || !stamp || !stamp->heights.value) brush.alpha = ISO_ALPHA_NONE;
     return isosculpt_brush_drawn(&brush);
 }
 
@@ -417,10 +419,17 @@ void isosculpt_controller_change_mask(isosculpt_controller *controller, iso_tool
 
 void isosculpt_controller_set_stamp(isosculpt_controller *controller, iso_stamp *stamp) {
     iso_edit_stats stats = {0};
+    const bool picture = stamp && stamp->heights.value;
     iso_status status = iso_session_set_stamp(controller->document->session, stamp, &controller->error);
     finish_edit(controller, status, &stats);
     if (status != ISO_OK) return;
     controller->document->has_stamp = true;
+    if (picture) {
+        controller->brush.alpha = ISO_ALPHA_FIXED;
+        if (controller->brush.shape == ISO_SOLID_STAMP) controller->brush.shape = ISO_SOLID_SPHERE;
+        if (!iso_tool_has_alpha(controller->brush.tool)) controller->brush.tool = ISO_TOOL_INFLATE;
+        return;
+    }
     controller->brush.shape = ISO_SOLID_STAMP;
     if (!isosculpt_tool_has_shape(controller->brush.tool)) controller->brush.tool = ISO_TOOL_ADD;
 }

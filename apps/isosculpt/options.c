@@ -59,7 +59,8 @@ static const iso_option options[] = {
     {"edit", NULL, "STROKES:KEY=VALUE,...",
      "before the result is written, give strokes of --replay another brush; STROKES is a number or two (12 "
      "or 30-40, counted from 1 as they begin), KEY is tool, shape, falloff, radius, strength, aspect, blend, "
-     "spacing, color (#RRGGBB, or none), symmetry (xz), radial (6z: six images around z), mirror (X/Y/Z, a "
+     "spacing, color (#RRGGBB, or none), symmetry (xz), radial (6z: six images around z), alpha (fixed or "
+     "follows), mirror (X/Y/Z, a "
      "point of the planes and the axis), pressure-radius or pressure-strength (on); these edits are made in "
      "the order in which they are given",
      .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_edit, .flags = ISO_OPTION_REPEATABLE},
@@ -89,8 +90,10 @@ static const iso_option options[] = {
 #define SOLID SESSION
 #include "apps/common/solid_options.inc"
 #undef SOLID
-    {"stamp", NULL, "FILE", "add and carve with this mesh ({meshes}); the strokes keep it", .group = SESSION,
-     .kind = ISO_OPTION_TEXT, AT(stamp)},
+    {"stamp", NULL, "FILE",
+     "add and carve with this mesh ({meshes}), or weigh what deforming brushes do by this grey picture "
+     "(.png); the strokes keep it",
+     .group = SESSION, .kind = ISO_OPTION_TEXT, AT(stamp)},
     {"close-holes", NULL, "MM",
      "close holes of a mesh up to this size, 0: none; cuts by the border of a volume are capped in any case",
      .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_close_holes,

@@ -95,6 +95,7 @@ static iso_status change_brush(const char *key, const char *value, iso_brush *br
     if (strcmp(key, "falloff") == 0) return iso_falloff_find(value, &brush->falloff, error);
     if (strcmp(key, "color") == 0) return parse_brush_color(value, brush, error);
     if (strcmp(key, "symmetry") == 0) return parse_symmetry(value, &brush->symmetry, error);
+    if (strcmp(key, "alpha") == 0) return iso_alpha_find(value, &brush->alpha, error);
     if (strcmp(key, "mirror") == 0) return parse_mirror(value, &brush->mirror, error);
     if (strcmp(key, "radial") == 0) return parse_radial(value, brush, error);
     if (strcmp(key, "pressure-radius") == 0) return parse_switch(key, value, &brush->pressure_radius, error);
@@ -103,7 +104,7 @@ static iso_status change_brush(const char *key, const char *value, iso_brush *br
     return iso_fail(
         error, ISO_ERR_USAGE,
         "'%s' is none of tool, shape, falloff, radius, strength, aspect, blend, spacing, color, symmetry, "
-        "mirror, radial, pressure-radius, pressure-strength",
+        "mirror, radial, alpha, pressure-radius, pressure-strength",
         key);
 }
 

@@ -14,6 +14,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "grids/volume/grey_picture.h"
 #include "grids/volume/image_stack.h"
 
 /* A file that is open for reading, after its header. */
@@ -243,3 +244,33 @@ static iso_status png_open_tiled(const char *path, const iso_volume_opts *opts, 
 
 const iso_format iso_format_png = {
     .name = "png", .library = "libpng", .info = png_info_of, .open_tiled = png_open_tiled};
+
+/* ---- one picture by itself */
+
+iso_status iso_grey_picture_read(const char *path, int *width, int *height, uint16_t **values,
+                                 iso_error *error) {
+    iso_image_header header;
+    ISO_TRY(read_png_header(path, &header, error));
+    const iso_image_layout *layout = &header.layout;
+    if (layout->samples != 1)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: has colours or opacities: a grey picture is wanted",
+                        path);
+    if (layout->width > ISO_GREY_PICTURE_MOST || layout->height > ISO_GREY_PICTURE_MOST)
+        return iso_fail(error, ISO_ERR_LIMIT, "%s: %u x %u pixels: at most %d", path, layout->width,
+                        layout->height, ISO_GREY_PICTURE_MOST);
+    const size_t count = (size_t)layout->width * layout->height;
+    uint16_t *made = iso_alloc(count * sizeof *made);
+    if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %s", path);
+    const iso_status status = decode_png(path, layout, header.scratch, 0, made, error);
+    if (status != ISO_OK) {
+        iso_free(made);
+        return status;
+    }
+    const uint8_t *bytes = (const uint8_t *)made;
+    for (size_t i = count; layout->scalar == ISO_SCALAR_UINT8 && i-- > 0;)
+        made[i] = (uint16_t)(257 * bytes[i]); /* from the end, so that no byte is lost */
+    *width = (int)layout->width;
+    *height = (int)layout->height;
+    *values = made;
+    return ISO_OK;
+}

@@ -18,6 +18,7 @@ _TOOLS = {name.replace("_", "-").lower(): getattr(lib, "ISO_TOOL_" + name) for n
            "TRIM_PLANE", "TRIM_LASSO", "CROP_LASSO")}
 _SOLIDS = {name.lower(): getattr(lib, "ISO_SOLID_" + name) for name in
            ("SPHERE", "BOX", "CAPSULE", "CYLINDER", "TORUS", "STAMP")}
+_ALPHAS = {name.lower(): getattr(lib, "ISO_ALPHA_" + name) for name in ("NONE", "FIXED", "FOLLOWS")}
 _AXES = {axis: axis.encode() for axis in "xyz"}
 _FALLOFFS = {name.lower(): getattr(lib, "ISO_FALLOFF_" + name) for name in ("SMOOTH", "LINEAR", "CONSTANT")}
 
@@ -31,7 +32,9 @@ class Brush:
     "yz" .., mirrored at planes through `mirror`; `radial`: that many images (2 to 32), turned around the `radial_axis`
     through it. `color`: "#rrggbb", of the surface that "paint", the first four, "inflate", "fill" and "clay" make; None: it
     has no paint. The last three tools act when the stroke ends: they remove what is to the right of the line from its first
-    position to its last, in the outline of its positions, or outside of that, for a viewer whom its normals point to."""
+    position to its last, in the outline of its positions, or outside of that, for a viewer whom its normals point to. `alpha`, of "smooth" to "clay":
+    "fixed" or "follows", if the greys of the picture that `Sculpt.set_stamp` has set weigh what they do, upright or turned along
+    the stroke."""
     radius: float
     tool: str = "add"
     shape: str = "sphere"
@@ -47,6 +50,7 @@ class Brush:
     color: Optional[Color] = None
     radial: int = 0
     radial_axis: str = "z"
+    alpha: str = "none"
 
     @classmethod
     def _of(cls, b: Any) -> "Brush":
@@ -56,7 +60,8 @@ class Brush:
                    b.blend, b.spacing, "".join(a for i, a in enumerate("xyz") if b.symmetry >> i & 1),
                    (b.mirror.x, b.mirror.y, b.mirror.z), b.pressure_radius, b.pressure_strength,
                    "#%02x%02x%02x" % (b.color.r, b.color.g, b.color.b) if b.has_color else None,
-                   b.radial, (b.radial_axis if b.radial_axis != b"\0" else b"z").decode())
+                   b.radial, (b.radial_axis if b.radial_axis != b"\0" else b"z").decode(),
+                   name(_ALPHAS, b.alpha))
 
     def _made(self) -> Any:
         return ffi.new("iso_brush *", {
@@ -65,7 +70,7 @@ class Brush:
             "aspect": self.aspect, "blend": self.blend, "spacing": self.spacing, "mirror": vec3(self.mirror, "mirror"),
             "symmetry": sum(1 << "xyz".index(a) for a in set(self.symmetry)), "pressure_radius": self.pressure_radius,
             "pressure_strength": self.pressure_strength, "has_color": self.color is not None,
-            "color": rgb(self.color or "000000")[0], "radial": self.radial, "radial_axis": one_of(_AXES, self.radial_axis,
+            "alpha": one_of(_ALPHAS, self.alpha, "alpha"), "color": rgb(self.color or "000000")[0], "radial": self.radial, "radial_axis": one_of(_AXES, self.radial_axis,
                                                                                                  "radial_axis")})
 
 
@@ -207,7 +212,8 @@ class Sculpt:
         return int(lib.iso_sculpt_redo_count(self._handle))
 
     def set_stamp(self, path: Path) -> None:
-        """Sets the solid of the shape "stamp": the inside of a mesh, .stl, .obj or .ply."""
+        """Sets the stamp: for the shape "stamp" the inside of a mesh (.stl, .obj, .ply), for a brush with `alpha` the greys
+        of a picture (.png)."""
         with self.volume._lock:
             call(lib.iso_sculpt_set_stamp, self._handle, os.fsencode(path))
 

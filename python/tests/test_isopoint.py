@@ -399,6 +399,38 @@ class Sculpting(unittest.TestCase):
         with self.assertRaises(isopoint.UsageError):
             ball.stroke(isopoint.Brush(4, radial=3, radial_axis="w"), [[30, 2, 5]])
 
+    def test_pictures_of_heights(self):
+        """A grey .png weighs what a brush does: half of a white one does half of it; colours are refused."""
+        def png(path, rows, kind, bits):
+            def chunk(name, data):
+                return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+            header = struct.pack(">IIBBBBB", len(rows[0]) * 8 // bits // (3 if kind == 2 else 1), len(rows), bits, kind, 0, 0, 0)
+            with open(path, "wb") as file:
+                file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header)
+                           + chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows))) + chunk(b"IEND", b""))
+
+        def grown(path):
+            ball = isopoint.Sculpt(shape=(96, 96, 96), radius=30)
+            before = ball.surface.measure()["volume"]
+            ball.set_stamp(path)
+            brush = isopoint.Brush(8, "inflate", falloff="constant", strength=1, alpha="fixed")
+            for _ in range(4):
+                ball.stroke(brush, [[0, -30, 0]], [0, -1, 0])
+            self.assertEqual(ball.strokes[0].brush, brush)
+            return ball.surface.measure()["volume"] - before
+
+        with tempfile.TemporaryDirectory() as folder:
+            png(f"{folder}/white.png", [b"\xff" * 16] * 16, 0, 8)
+            png(f"{folder}/half.png", [b"\xff\xff" * 8 + b"\0\0" * 8] * 16, 0, 16)
+            png(f"{folder}/color.png", [b"\xff" * 48] * 16, 2, 8)
+            white, half = grown(f"{folder}/white.png"), grown(f"{folder}/half.png")
+            self.assertGreater(white, 50)
+            self.assertTrue(0.45 < half / white < 0.55, (half, white))
+            with self.assertRaises(isopoint.Error):
+                grown(f"{folder}/color.png")
+            with self.assertRaises(isopoint.UsageError):
+                isopoint.Sculpt(shape=(96, 96, 96)).stroke(isopoint.Brush(8, "inflate", alpha="fixed"), [[0, 0, 0]])
+
     def test_edits(self):
         """Edits of past strokes give what drawing the edited strokes gives."""
         def field(*strokes):

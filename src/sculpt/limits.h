@@ -34,6 +34,7 @@
     X(PRESSURE, "pressure", 0, 1, "")                                                                        \
     X(SECONDS, "time", 0, 1e9, "s")                                                                          \
     X(STROKE, "number of a stroke", 1, 1e9, "")                                                              \
+    X(PICTURE, "stamp's number of pixels along an axis", 1, 256, "") /* ISO_HEIGHTS_MOST */                  \
     /* a stamp's fields: their longest side is 2 */                                                          \
     X(STAMP_DIMS, "stamp's number of voxels along an axis", 1, 1024, "")                                     \
     X(STAMP_SPACING, "stamp's voxel size", 1e-3, 1, "")                                                      \

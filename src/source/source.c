@@ -14,11 +14,13 @@
 
 #include "base/crc32c.h"
 #include "base/file.h"
+#include "base/file_types.h"
 #include "base/memory.h"
 #include "clouds/cloud.h"
 #include "grids/level_set.h"
 #include "grids/point_solid.h"
 #include "grids/volume/format.h"
+#include "grids/volume/grey_picture.h"
 #include "grids/volume/volume.h"
 #include "io/file_contents.h"
 #include "io/glyphs/glyphs_read.h"
@@ -119,7 +121,18 @@ static iso_status convert_mesh(const iso_source *source, iso_hgrid **grid, iso_t
     return status;
 }
 
+/* Makes a stamp of the heights that a grey picture has, of 8 or 16 bits. */
+static iso_status read_picture(const iso_source *source, iso_stamp **stamp, iso_error *error) {
+    int width, height;
+    uint16_t *values;
+    ISO_TRY(iso_grey_picture_read(source->path, &width, &height, &values, error));
+    const iso_status status = iso_stamp_from_picture(source->path, width, height, values, stamp, error);
+    iso_free(values);
+    return status;
+}
+
 iso_status iso_source_read_stamp(const iso_source *source, iso_stamp **stamp, iso_error *error) {
+    if (iso_file_type_of_name(source->path, ~0u) == ISO_FILE_png) return read_picture(source, stamp, error);
     const iso_progress reading = iso_progress_part(source->progress, 0, 0.4),
                        converting = iso_progress_part(source->progress, 0.4, 1);
     iso_closed_mesh *mesh;

@@ -91,8 +91,9 @@ iso_status iso_source_find(const char *strokes, const iso_journal_start *start, 
  * _LINES, or otherwise _VOLUME. */
 unsigned iso_source_kind(const char *path);
 
-/* Reads the mesh at source->path as a stamp; iso_stamp_free when done. Voxel size, isovalue and volume of the
- * source do not count. Errors: those of iso_mesh_read, iso_closed_mesh_create and iso_stamp_from_mesh. */
+/* Reads the mesh or grey picture (.png) at source->path as a stamp; iso_stamp_free when done. Voxel size,
+ * isovalue and volume of the source do not count. Errors: those of iso_mesh_read, iso_closed_mesh_create,
+ * iso_stamp_from_mesh and iso_grey_picture_read. */
 iso_status iso_source_read_stamp(const iso_source *source, iso_stamp **stamp, iso_error *error);
 
 #ifdef __cplusplus

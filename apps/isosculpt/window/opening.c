@@ -316,10 +316,14 @@ void isosculpt_window_reject_open(window *w) {
     if (w->load_job) isosculpt_task_cancel(isosculpt_load_job_task(w->load_job));
 }
 
-/* Handles a dropped file. A mesh can be opened or become a stamp; a stamp needs a field. */
+/* Handles a dropped file. A mesh can be opened or become a stamp, a picture becomes one; a stamp needs a
+ * field. */
 void isosculpt_window_drop(window *w, const char *path) {
     if (isosculpt_window_is_opening(w)) return;
-    if (iso_source_kind(path) == ISO_HOLDS_MESH && !w->volume && !w->screen.blank)
+    const bool picture = iso_file_type_of_name(path, ~0u) == ISO_FILE_png && !isosculpt_is_scene(path);
+    if (picture && !w->volume && !w->screen.blank)
+        open_path(w, path, true);
+    else if (iso_source_kind(path) == ISO_HOLDS_MESH && !w->volume && !w->screen.blank)
         isosculpt_window_show_dialog(w, ISOSCULPT_DIALOG_MESH, path);
     else
         replace_document(w, path);

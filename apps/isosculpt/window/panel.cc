@@ -43,6 +43,17 @@ static const float PANEL_WIDTH = 304; /* at scale 1 */
 
 /* ---- sections of the panel */
 
+/* The widget for how a picture of heights is turned, for tools that it weighs. */
+static void choose_alpha(iso_brush *brush, const iso_stamp *stamp) {
+    static const char *const labels[] = {"no picture", "upright", "along the stroke"};
+    if (ImGui::BeginCombo("alpha", brush->alpha ? stamp->name : labels[ISO_ALPHA_NONE])) {
+        for (iso_alpha alpha : {ISO_ALPHA_NONE, ISO_ALPHA_FIXED, ISO_ALPHA_FOLLOWS})
+            if (ImGui::Selectable(labels[alpha], alpha == brush->alpha)) brush->alpha = alpha;
+        ImGui::EndCombo();
+    } else if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("The greys of the picture weigh what a touch does: %s.", labels[brush->alpha]);
+}
+
 /* The widgets for the shape of the brush. The stamp can be chosen when one is loaded. */
 static void choose_shape(iso_brush *brush, const iso_stamp *stamp) {
     static const iso_solid shapes[] = {ISO_SOLID_SPHERE, ISO_SOLID_BOX, ISO_SOLID_CYLINDER, ISO_SOLID_TORUS,
@@ -50,6 +61,11 @@ static void choose_shape(iso_brush *brush, const iso_stamp *stamp) {
     const auto name = [&](iso_solid shape) {
         return shape == ISO_SOLID_STAMP && stamp ? stamp->name : iso_solid_name(shape);
     };
+    if (stamp && stamp->heights.value && iso_tool_has_alpha(brush->tool)) {
+        choose_alpha(brush, stamp);
+        return;
+    }
+    if (stamp && !stamp->count) stamp = nullptr; /* a picture is no shape */
     if (brush->shape == ISO_SOLID_STAMP && !stamp) brush->shape = ISO_SOLID_SPHERE;
     ImGui::BeginDisabled(!isosculpt_tool_has_shape(brush->tool));
     if (ImGui::BeginCombo("shape", name(brush->shape))) {

@@ -9,6 +9,7 @@
 static const char *const tools[] = {ISO_TOOLS(ISO_NAME)};
 static const char *const solids[] = {ISO_SOLIDS(ISO_NAME)};
 static const char *const falloffs[] = {ISO_FALLOFFS(ISO_NAME)};
+static const char *const alphas[] = {ISO_ALPHAS(ISO_NAME)};
 #undef ISO_NAME
 
 const char *iso_tool_name(iso_tool tool) {
@@ -19,6 +20,10 @@ const char *iso_solid_name(iso_solid solid) {
 }
 const char *iso_falloff_name(iso_falloff falloff) {
     return falloffs[falloff];
+}
+
+const char *iso_alpha_name(iso_alpha alpha) {
+    return alphas[alpha];
 }
 
 /* Returns the index of `name` in `names`, or -1 if it is not there. */
@@ -49,6 +54,13 @@ iso_status iso_falloff_find(const char *name, iso_falloff *falloff, iso_error *e
     return ISO_OK;
 }
 
+iso_status iso_alpha_find(const char *name, iso_alpha *alpha, iso_error *error) {
+    int found = find_name(alphas, ISO_ALPHA_COUNT, name);
+    if (found < 0) return iso_fail(error, ISO_ERR_USAGE, "alpha: '%s' is none of none, fixed, follows", name);
+    *alpha = (iso_alpha)found;
+    return ISO_OK;
+}
+
 typedef struct range {
     const char *name;
     double value, low, high;
@@ -56,10 +68,12 @@ typedef struct range {
 
 iso_status iso_brush_check(const iso_brush *brush, iso_error *error) {
     if ((unsigned)brush->tool >= ISO_TOOL_COUNT || (unsigned)brush->shape >= ISO_SOLID_COUNT ||
-        (unsigned)brush->falloff >= ISO_FALLOFF_COUNT || brush->symmetry > 7)
+        (unsigned)brush->falloff >= ISO_FALLOFF_COUNT || (unsigned)brush->alpha >= ISO_ALPHA_COUNT ||
+        brush->symmetry > 7)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "brush: tool %d, shape %d, falloff %d, symmetry %u: no such thing", (int)brush->tool,
-                        (int)brush->shape, (int)brush->falloff, brush->symmetry);
+                        "brush: tool %d, shape %d, falloff %d, alpha %d, symmetry %u: no such thing",
+                        (int)brush->tool, (int)brush->shape, (int)brush->falloff, (int)brush->alpha,
+                        brush->symmetry);
     if (brush->radial > ISO_RADIAL_MOST || (brush->radial_axis && !strchr("xyz", brush->radial_axis)))
         return iso_fail(error, ISO_ERR_USAGE,
                         "brush: %u radial images around axis %d: at most %d around 'x', 'y' or 'z'",
@@ -81,8 +95,8 @@ iso_status iso_brush_check(const iso_brush *brush, iso_error *error) {
 bool iso_brush_is_same(const iso_brush *a, const iso_brush *b) {
     return a->tool == b->tool && a->shape == b->shape && a->falloff == b->falloff && a->radius == b->radius &&
            a->strength == b->strength && a->aspect == b->aspect && a->blend == b->blend &&
-           a->spacing == b->spacing && a->symmetry == b->symmetry && a->mirror.x == b->mirror.x &&
-           a->mirror.y == b->mirror.y && a->mirror.z == b->mirror.z &&
+           a->spacing == b->spacing && a->alpha == b->alpha && a->symmetry == b->symmetry &&
+           a->mirror.x == b->mirror.x && a->mirror.y == b->mirror.y && a->mirror.z == b->mirror.z &&
            iso_brush_is_radial(a) == iso_brush_is_radial(b) &&
            (!iso_brush_is_radial(a) ||
             (a->radial == b->radial && iso_brush_radial_axis(a) == iso_brush_radial_axis(b))) &&

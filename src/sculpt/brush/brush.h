@@ -62,14 +62,21 @@ extern "C" {
     X(LINEAR, "linear")     /* 1 - t */                                                                      \
     X(CONSTANT, "constant") /* 1 up to the radius */
 
+#define ISO_ALPHAS(X)                                                                                        \
+    X(NONE, "none")                                                                                          \
+    X(FIXED, "fixed")                                                                                        \
+    X(FOLLOWS, "follows")
+
 /* Return the name that stroke files use for an enumerator; a static string. */
 const char *iso_tool_name(iso_tool tool);
 const char *iso_solid_name(iso_solid solid);
 const char *iso_falloff_name(iso_falloff falloff);
+const char *iso_alpha_name(iso_alpha alpha);
 /* Find the enumerator with a name. ISO_ERR_USAGE: there is no such name; the message quotes it. */
 iso_status iso_tool_find(const char *name, iso_tool *tool, iso_error *error);
 iso_status iso_solid_find(const char *name, iso_solid *solid, iso_error *error);
 iso_status iso_falloff_find(const char *name, iso_falloff *falloff, iso_error *error);
+iso_status iso_alpha_find(const char *name, iso_alpha *alpha, iso_error *error);
 
 /* Checks the enumerators and numbers of a brush. ISO_ERR_USAGE: one of them is not finite or outside its
  * range; the message names it. */
@@ -87,6 +94,8 @@ typedef struct iso_touch {
 
 /* Whether the tool acts once, when its stroke ends, by all the stroke's samples: TRIM_PLANE to CROP_LASSO. */
 bool iso_tool_is_trim(iso_tool tool);
+/* Whether a picture of heights weighs what the tool does: SMOOTH to CLAY. */
+bool iso_tool_has_alpha(iso_tool tool);
 
 /* The images of a touch, all of which act: with radial symmetry turned ones, and with mirror planes the
  * mirror images of these. The first is the touch itself. No two are the same. */

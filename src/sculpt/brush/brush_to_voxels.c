@@ -36,6 +36,20 @@ static void make_tangent_frame(iso_vec3 normal, iso_vec3 frame[3]) {
     frame[2] = n;
 }
 
+/* Computes the frame of a picture: frame[1] is the direction of its upper edge, frame[2] the normal. `up`
+ * need not be perpendicular to that. */
+static void make_picture_frame(iso_vec3 normal, iso_vec3 up, iso_vec3 frame[3]) {
+    const iso_vec3 n = iso_vec3_unit(normal), others[] = {up, {0, 0, 1}, {0, 1, 0}};
+    make_tangent_frame(normal, frame);
+    for (int i = 0; i < 3; i++) {
+        const iso_vec3 across = iso_vec3_sub(others[i], iso_vec3_scale(n, iso_vec3_dot(n, others[i])));
+        if (!(iso_vec3_length(across) > 0.1 * iso_vec3_length(others[i]))) continue;
+        frame[1] = iso_vec3_unit(across);
+        frame[0] = iso_vec3_cross(frame[1], frame[2]);
+        return;
+    }
+}
+
 /* Makes an image of a touch. The axes of the dab are turned and mirrored, too, so that boxes and stamps are.
  */
 static void make_dab(const iso_dab_space *space, const iso_brush *brush, const iso_touch *touch,
@@ -45,7 +59,14 @@ static void make_dab(const iso_dab_space *space, const iso_brush *brush, const i
     to_rounded_index(affine, iso_brush_image_point(image, snapped(affine, touch->sample.position)),
                      dab->centre);
     to_rounded_index(affine, iso_brush_image_point(image, snapped(affine, from)), dab->from);
-    make_tangent_frame(touch->sample.normal, frame);
+    if (brush->alpha == ISO_ALPHA_NONE || !iso_tool_has_alpha(brush->tool))
+        make_tangent_frame(touch->sample.normal, frame);
+    else
+        make_picture_frame(touch->sample.normal,
+                           brush->alpha == ISO_ALPHA_FOLLOWS
+                               ? iso_vec3_sub(touch->sample.position, touch->previous.position)
+                               : iso_vec3_make(0, 0, 0),
+                           frame);
     for (int i = 0; i < 3; i++) {
         iso_vec3 axis = iso_affine_vector_to_index(affine, iso_brush_image_direction(image, frame[i]));
         axis = iso_vec3_scale(axis, space->spacing); /* of length 1 voxel instead of 1 mm */
@@ -122,7 +143,9 @@ void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso
     dabs->band = space->band;
     if (brush->has_color) dabs->color = iso_paint_make(brush->color.r, brush->color.g, brush->color.b, 255);
     dabs->cover = (int)(strength * ISO_PAINT_ONE + 0.5);
-    dabs->stamp = space->stamp ? iso_stamp_level(space->stamp, radius_voxels) : NULL;
+    dabs->stamp = space->stamp && space->stamp->count ? iso_stamp_level(space->stamp, radius_voxels) : NULL;
+    if (brush->alpha != ISO_ALPHA_NONE && iso_tool_has_alpha(brush->tool) && space->stamp)
+        dabs->heights = space->stamp->heights.value ? &space->stamp->heights : NULL;
     dabs->radial = iso_brush_is_radial(brush);
     dabs->count = iso_brush_images(brush, images);
     for (int i = 0; i < dabs->count; i++) make_dab(space, brush, touch, &images[i], &dabs->dab[i]);

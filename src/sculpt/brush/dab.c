@@ -29,6 +29,10 @@ bool iso_tool_is_trim(iso_tool tool) {
     return tool >= ISO_TOOL_TRIM_PLANE;
 }
 
+bool iso_tool_has_alpha(iso_tool tool) {
+    return tool >= ISO_TOOL_SMOOTH && tool <= ISO_TOOL_CLAY;
+}
+
 bool iso_tool_has_area_plane(iso_tool tool) {
     return tool >= ISO_TOOL_SCRAPE && tool <= ISO_TOOL_CLAY;
 }

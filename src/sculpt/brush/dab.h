@@ -58,6 +58,7 @@ typedef struct iso_dabs {
     bool radial;    /* the images are not (only) mirror images */
     bool apart; /* no voxel is within the influence of two dabs (false: of mirror images, also if none is) */
     const iso_hgrid *stamp;     /* the level of the stamp for this radius; NULL: no stamp is set */
+    const iso_heights *heights; /* that weigh what the dabs do; NULL: nothing does */
     const iso_outline *outline; /* what CARVE or BLEND_CARVE removes instead of a solid; NULL: a solid */
     int count;                  /* of dabs */
     iso_dab dab[ISO_DAB_MAX];

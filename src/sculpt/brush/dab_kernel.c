@@ -133,6 +133,36 @@ ISO_INLINE vf weight(const iso_dabs *dabs, vf distance) {
     return falloff(dabs, distance) * v_set(dabs->strength);
 }
 
+/* Interpolates linearly. Exchanging a with b and t with 1 - t gives the same bits, so that mirrored fields
+ * stay mirrored. */
+ISO_INLINE vf mix(vf a, vf b, vf t) {
+    return a * (v_set(1) - t) + b * t;
+}
+
+/* Returns the heights of a picture (0 .. 1) at positions relative to the dab; 0 beside it. */
+ISO_INLINE vf height_at(const iso_heights *h, float radius, const iso_local_dab *dab, const vf_vector *p) {
+    const float scale = 0.5f * (float)(h->width > h->height ? h->width : h->height) / radius;
+    const vf zero = v_set(0), low = v_set(0.5f * (float)(h->width + 1)),
+             top = v_set(0.5f * (float)(h->height + 1));
+    const vf x = v_min(v_max(low + dot(p, dab->axis[0]) * v_set(scale), zero),
+                       v_set((float)h->width + 0.999f)),
+             y = v_min(v_max(top - dot(p, dab->axis[1]) * v_set(scale), zero),
+                       v_set((float)h->height + 0.999f));
+    const vf column = v_to_float(v_trunc(x)), row = v_to_float(v_trunc(y)), across = x - column,
+             down = y - row;
+    const vi at = v_trunc(row * v_set((float)(h->width + 2)) + column);
+    const float *below = h->value + h->width + 2;
+    return mix(mix(v_gather(h->value, at), v_gather(h->value + 1, at), across),
+               mix(v_gather(below, at), v_gather(below + 1, at), across), down);
+}
+
+/* Returns the weight of a dab at positions relative to it. `heights`: there are any (so that loops are
+ * compiled apart for brushes without). */
+ISO_INLINE vf dab_weight(const iso_dabs *dabs, const iso_local_dab *dab, const vf_vector *p, bool heights) {
+    const vf w = weight(dabs, length3(p->x, p->y, p->z));
+    return heights ? w * height_at(dabs->heights, dabs->radius_voxels, dab, p) : w;
+}
+
 /* Returns the distance to the union of the field f and the solid s. With a blend width, the crease between
  * the two is filleted where f is inside the band. */
 ISO_INLINE vf unite(const iso_dabs *dabs, vf f, vf s) {
@@ -267,37 +297,50 @@ ISO_INLINE vf distance_change(const iso_dabs *dabs, const iso_local_dab *dab, co
                                            : v_min(change, zero);
 }
 
-ISO_INLINE vf mirrored_change(const iso_dabs *dabs, const iso_local_dabs *local, int row, int x, vf f) {
+ISO_INLINE vf dab_change(const iso_dabs *dabs, const iso_local_dab *dab, int row, int x, bool heights, vf f) {
+    const vf_vector p = position_from_dab(dab, row, x);
+    return distance_change(dabs, dab, &p, dab_weight(dabs, dab, &p, heights), f);
+}
+
+ISO_INLINE vf mirrored_change(const iso_dabs *dabs, const iso_local_dabs *local, int row, int x, bool heights,
+                              vf f) {
     vf part[ISO_MIRRORED_MAX];
-    for (int i = 0; i < local->count; i++) {
-        const vf_vector p = position_from_dab(&local->dab[i], row, x);
-        part[i] = distance_change(dabs, &local->dab[i], &p, weight(dabs, length3(p.x, p.y, p.z)), f);
-    }
+    if (local->count == 1) return dab_change(dabs, &local->dab[0], row, x, heights, f) + v_set(0);
+    for (int i = 0; i < local->count; i++) part[i] = dab_change(dabs, &local->dab[i], row, x, heights, f);
     return sum_mirrored(local, part);
 }
 
-ISO_INLINE vf radial_change(const iso_dabs *dabs, const iso_local_dabs *local, int row, int x, vf f) {
+ISO_INLINE vf radial_change(const iso_dabs *dabs, const iso_local_dabs *local, int row, int x, bool heights,
+                            vf f) {
     weights all = no_weights();
     vf sum = v_set(0);
     for (int i = 0; i < local->count; i++) {
         const vf_vector p = position_from_dab(&local->dab[i], row, x);
-        const vf w = weight(dabs, length3(p.x, p.y, p.z));
+        const vf w = dab_weight(dabs, &local->dab[i], &p, heights);
         sum += snap(distance_change(dabs, &local->dab[i], &p, w, f));
         add_weight(&all, w);
     }
     return sum * factor_of(&all);
 }
 
-static void edit_offset(const iso_dabs *dabs, const iso_local_dabs *local, const iso_stencil *phi,
-                        float *out) {
+ISO_INLINE void offset_rows(const iso_dabs *dabs, const iso_local_dabs *local, const iso_stencil *phi,
+                            float *out, bool radial, bool heights) {
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
             const vf f = v_load(phi->self + row * ISO_BRICK + x);
-            const vf change = dabs->radial ? radial_change(dabs, local, row, x, f)
-                                           : mirrored_change(dabs, local, row, x, f);
+            const vf change = radial ? radial_change(dabs, local, row, x, heights, f)
+                                     : mirrored_change(dabs, local, row, x, heights, f);
             const vf made = clamped(f + change, dabs->band);
             v_store(out + row * ISO_BRICK + x, v_select(v_lt(v_abs(f), v_set(dabs->band)), made, f));
         }
+}
+
+static void edit_offset(const iso_dabs *dabs, const iso_local_dabs *local, const iso_stencil *phi,
+                        float *out) {
+    if (!dabs->radial && !dabs->heights)
+        offset_rows(dabs, local, phi, out, false, false);
+    else
+        offset_rows(dabs, local, phi, out, dabs->radial, dabs->heights != NULL);
 }
 
 /* Returns by how much the mean of the six face neighbours exceeds a voxel's value (a sixth of the Laplacian).
@@ -313,18 +356,26 @@ ISO_INLINE vf mean_excess(const iso_stencil *phi, int row, int x, float band) {
     return v_select(v_lt(most, v_set(band)), sum * v_set(1.0f / 6), v_set(0));
 }
 
-static void edit_smooth(const iso_dabs *dabs, const iso_local_dabs *local, const iso_stencil *phi,
-                        float *out) {
+ISO_INLINE void smooth_rows(const iso_dabs *dabs, const iso_local_dabs *local, const iso_stencil *phi,
+                            float *out, bool heights) {
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
             vf w = v_set(0);
             for (int i = 0; i < local->count; i++) {
                 const vf_vector p = position_from_dab(&local->dab[i], row, x);
-                w = v_max(w, weight(dabs, length3(p.x, p.y, p.z)));
+                w = v_max(w, dab_weight(dabs, &local->dab[i], &p, heights));
             }
             const vf f = v_load(phi->self + row * ISO_BRICK + x);
             v_store(out + row * ISO_BRICK + x, f + w * mean_excess(phi, row, x, dabs->band));
         }
+}
+
+static void edit_smooth(const iso_dabs *dabs, const iso_local_dabs *local, const iso_stencil *phi,
+                        float *out) {
+    if (dabs->heights)
+        smooth_rows(dabs, local, phi, out, true);
+    else
+        smooth_rows(dabs, local, phi, out, false);
 }
 
 static void edit(const iso_dabs *dabs, const int brick[3], const iso_stencil *phi, float *out) {
@@ -449,12 +500,6 @@ static bool warp(const iso_dabs *dabs, const int brick[3], iso_warp *warp) {
             v_store(warp->position[2] + at, v_set((float)(row / ISO_BRICK)) + snap(shift.z));
         }
     return moved != 0;
-}
-
-/* Interpolates linearly. Exchanging a with b and t with 1 - t gives the same bits, so that mirrored fields
- * stay mirrored. */
-ISO_INLINE vf mix(vf a, vf b, vf t) {
-    return a * (v_set(1) - t) + b * t;
 }
 
 static void sample(const iso_warp *warp, const iso_field_window *window, float *out) {

@@ -37,6 +37,7 @@ iso_stamp *iso_stamp_share(iso_stamp *stamp) {
 void iso_stamp_free(iso_stamp *stamp) {
     if (!stamp || __atomic_sub_fetch(&stamp->owners, 1, __ATOMIC_ACQ_REL)) return;
     for (int i = 0; i < stamp->count; i++) iso_hgrid_destroy(stamp->level[i]);
+    iso_free(stamp->heights.value);
     iso_free(stamp);
 }
 
@@ -95,6 +96,43 @@ iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, is
     else
         iso_stamp_free(stamp);
     return status;
+}
+
+/* ---- from a picture */
+
+/* The mean of the pixels of a square of `side` that are in the picture, rounded. */
+static uint16_t mean_of_square(const uint16_t *values, int width, int height, const int at[2], int side) {
+    uint64_t sum = 0, count = 0;
+    for (int y = at[1]; y < at[1] + side && y < height; y++)
+        for (int x = at[0]; x < at[0] + side && x < width; x++) {
+            sum += values[(size_t)y * (size_t)width + (size_t)x];
+            count++;
+        }
+    return (uint16_t)((sum + count / 2) / count);
+}
+
+iso_status iso_stamp_from_picture(const char *path, int width, int height, const uint16_t *values,
+                                  iso_stamp **out, iso_error *error) {
+    const int longest = width > height ? width : height,
+              side = (longest + ISO_HEIGHTS_MOST - 1) / ISO_HEIGHTS_MOST;
+    iso_stamp *stamp = allocate_stamp(path);
+    if (stamp) {
+        iso_heights *h = &stamp->heights;
+        h->width = (width + side - 1) / side;
+        h->height = (height + side - 1) / side;
+        h->value = iso_alloc_zero((size_t)(h->width + 2) * (size_t)(h->height + 2), sizeof *h->value);
+    }
+    if (!stamp || !stamp->heights.value) {
+        iso_stamp_free(stamp);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stamp");
+    }
+    const iso_heights *h = &stamp->heights;
+    for (int y = 0; y < h->height; y++)
+        for (int x = 0; x < h->width; x++)
+            h->value[(y + 1) * (h->width + 2) + x + 1] =
+                (float)mean_of_square(values, width, height, (const int[]){x * side, y * side}, side) / 65535;
+    *out = stamp;
+    return ISO_OK;
 }
 
 /* ---- bytes of a stamp: for each level a level_head, then its cells in the format of checkpoint files */
@@ -203,7 +241,38 @@ static uint8_t *decode(const char *text, size_t *size) {
     return NULL;
 }
 
+/* The values of a picture, two bytes each, the lower first. */
+static char *picture_text(const iso_heights *h) {
+    const size_t count = (size_t)h->width * (size_t)h->height;
+    uint8_t *bytes = malloc(2 * count);
+    if (!bytes) return NULL;
+    for (size_t i = 0; i < count; i++) {
+        const size_t row = i / (size_t)h->width + 1, column = i % (size_t)h->width + 1;
+        const unsigned value = (unsigned)rintf(h->value[row * ((size_t)h->width + 2) + column] * 65535);
+        bytes[2 * i] = (uint8_t)value;
+        bytes[2 * i + 1] = (uint8_t)(value >> 8);
+    }
+    char *text = encode(bytes, 2 * count);
+    free(bytes);
+    return text;
+}
+
+iso_status iso_stamp_parse_picture(const char *name, int width, int height, const char *text,
+                                   iso_stamp **stamp, iso_error *error) {
+    size_t size;
+    uint8_t *bytes = decode(text, &size);
+    const size_t count = (size_t)width * (size_t)height;
+    uint16_t *values = bytes && size == 2 * count ? malloc(size) : NULL;
+    for (size_t i = 0; values && i < count; i++) values[i] = (uint16_t)(bytes[2 * i] | bytes[2 * i + 1] << 8);
+    const iso_status status = values ? iso_stamp_from_picture(name, width, height, values, stamp, error)
+                                     : iso_fail(error, ISO_ERR_FORMAT, "the stamp is damaged");
+    free(values);
+    free(bytes);
+    return status;
+}
+
 char *iso_stamp_text(const iso_stamp *stamp) {
+    if (stamp->heights.value) return picture_text(&stamp->heights);
     char *bytes = NULL, *text = NULL;
     size_t size = 0;
     FILE *stream = open_memstream(&bytes, &size);

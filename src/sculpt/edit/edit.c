@@ -525,7 +525,10 @@ static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, 
     }
     if (brush->tool == ISO_TOOL_MOVE && !editor->opts.original)
         return iso_fail(error, ISO_ERR_USAGE, "move needs a step that keeps what it changes");
-    if (brush->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(brush->tool) && !editor->opts.stamp)
+    const iso_stamp *stamp = editor->opts.stamp;
+    if (brush->alpha != ISO_ALPHA_NONE && iso_tool_has_alpha(brush->tool) && !(stamp && stamp->heights.value))
+        return iso_fail(error, ISO_ERR_USAGE, "a brush with an alpha needs a picture as its stamp");
+    if (brush->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(brush->tool) && !(stamp && stamp->count))
         return iso_fail(error, ISO_ERR_USAGE, "a stamp needs a shape of its own");
     return ISO_OK;
 }

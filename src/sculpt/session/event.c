@@ -74,17 +74,24 @@ static json_t *brush_json(const iso_brush *brush) {
         failed |= json_object_set_new(object, "radial", json_integer(brush->radial)) ||
                   json_object_set_new(object, "radial_axis", json_string(axis));
     snprintf(color, sizeof color, "#%02x%02x%02x", brush->color.r, brush->color.g, brush->color.b);
+    if (!failed && brush->alpha != ISO_ALPHA_NONE)
+        failed |= json_object_set_new(object, "alpha", json_string(iso_alpha_name(brush->alpha)));
     if (!failed && brush->has_color) failed |= json_object_set_new(object, "color", json_string(color));
     if (!failed) return object;
     json_decref(object);
     return NULL;
 }
 
-/* Adds the name and the levels of a stamp to an object. Nonzero: out of memory. */
+/* Adds the name and the levels of a stamp to an object, or of a picture its size, heights and their CRC-32C.
+ * Nonzero: out of memory. */
 static int add_stamp_members(json_t *object, const iso_stamp *stamp) {
+    const iso_heights *h = &stamp->heights;
     char *text = iso_stamp_text(stamp);
     int failed = !text || json_object_set_new(object, "name", json_string_nocheck(stamp->name)) ||
-                 json_object_set_new(object, "levels", json_string_nocheck(text));
+                 json_object_set_new(object, h->value ? "heights" : "levels", json_string_nocheck(text));
+    if (!failed && h->value)
+        failed |= json_object_set_new(object, "size", json_pack("[ii]", h->width, h->height)) ||
+                  json_object_set_new(object, "checksum", json_integer(iso_crc32c(0, text, strlen(text))));
     free(text);
     return failed;
 }
@@ -317,6 +324,9 @@ static iso_status read_brush(const json_t *object, iso_brush *brush, iso_error *
     brush->symmetry = (unsigned)symmetry;
     ISO_TRY(get_vector(object, "mirror", &brush->mirror, error));
     ISO_TRY(read_radial(object, brush, error));
+    if (json_object_get(object, "alpha") &&
+        iso_alpha_find(text_of(object, "alpha"), &brush->alpha, NULL) != ISO_OK)
+        return bad_member("alpha", "an alpha of this version", error);
     ISO_TRY(get_flag(object, "pressure_radius", &brush->pressure_radius, error));
     ISO_TRY(get_flag(object, "pressure_strength", &brush->pressure_strength, error));
     return read_color(object, brush, error);
@@ -342,10 +352,27 @@ static iso_status read_checkpoint(const json_t *object, unsigned long long numbe
     return get_text(object, "file", event->text, error);
 }
 
+static iso_status read_picture(const json_t *object, const char *name, const char *text, iso_event *event,
+                               iso_error *error) {
+    const json_t *size = json_object_get(object, "size");
+    json_int_t checksum;
+    if (json_array_size(size) != 2) return bad_member("size", "two whole numbers", error);
+    const double width = json_number_value(json_array_get(size, 0)),
+                 height = json_number_value(json_array_get(size, 1));
+    ISO_TRY(iso_limit_check(ISO_LIMIT_PICTURE, width, 1, error));
+    ISO_TRY(iso_limit_check(ISO_LIMIT_PICTURE, height, 1, error));
+    ISO_TRY(get_integer(object, "checksum", ISO_LIMIT_CHECKSUM, &checksum, error));
+    if ((uint32_t)checksum != iso_crc32c(0, text, strlen(text)))
+        return iso_fail(error, ISO_ERR_FORMAT, "the checksum of the stamp's heights is wrong");
+    return iso_stamp_parse_picture(name, (int)width, (int)height, text, &event->stamp, error);
+}
+
 static iso_status read_stamp(const json_t *object, iso_event *event, iso_error *error) {
     const char *name = json_string_value(json_object_get(object, "name")),
-               *text = json_string_value(json_object_get(object, "levels"));
+               *text = json_string_value(json_object_get(object, "levels")),
+               *heights = json_string_value(json_object_get(object, "heights"));
     if (!name) return bad_member("name", "a text", error);
+    if (heights) return read_picture(object, name, heights, event, error);
     if (!text) return bad_member("levels", "a text", error);
     return iso_stamp_parse(name, text, &event->stamp, error);
 }
