@@ -39,12 +39,14 @@ until_ "the axis x" axis
 # ---- killed and recovered: the symmetry is as before
 five() { images 5; stroke 560 400 10 0; last | grep -q '"radial":5,"radial_axis":"x"'; }
 until_ "five images" five
+before=$journal
 xdotool sleep 1
 stop
 start
 until_ "the question" is_modal
 key Return
 until_ "the answer" is_not_modal
+journal=$before # (the new session had one of its own)
 stroke 560 450 10 0
 last | grep -q '"radial":5,"radial_axis":"x"' || fail "recovered without its symmetry: $(last | cut -c1-500)"
 echo "passed"
