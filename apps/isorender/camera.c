@@ -1,6 +1,7 @@
 /* The camera: presets, framing and turntables. */
 #include <math.h>
 
+#include "apps/isorender/chunks.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/flat.h"
 #include "apps/isorender/labels.h"
@@ -87,11 +88,11 @@ static isorender_fit usual_fit(const isorender_job *job) {
 
 /* What fills the picture. In chunks it is the box when --fit does not say it: to find how far the surface
  * extends as it is seen, all chunks would be read several times more. That is done for a volume that fits
- * into memory without its surface, so that pictures do not depend on how much memory happens to be free. */
+ * into memory, so that pictures do not depend on how much memory happens to be free. */
 static isorender_fit fit_of(const isorender_job *job) {
     if (job->settings->film->has_bounds) return ISORENDER_FIT_BOX; /* of several pictures */
     if (job->settings->fit != ISORENDER_FIT_UNCHOSEN) return (isorender_fit)job->settings->fit;
-    return job->chunks && !job->did_not_fit ? ISORENDER_FIT_BOX : usual_fit(job);
+    return job->chunks && !job->chunks->fits ? ISORENDER_FIT_BOX : usual_fit(job);
 }
 
 const char *isorender_camera_record(const isorender_job *job) {

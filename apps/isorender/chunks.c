@@ -86,6 +86,15 @@ static bool can_stay(const isorender_job *job) {
             info->bytes / MOST_COMPRESSED <= iso_file_set_read_bytes(job->plan->files));
 }
 
+/* Whether nearly all of a large volume is not stored (absent chunks of HDF5 and Zarr): in chunks a picture takes
+ * time for what is. */
+static bool is_mostly_absent(const isorender_job *job) {
+    static const uint64_t LARGE = 1 << 30, PART = 256;
+    const uint64_t bytes = job->loader.volume.info.bytes;
+    return can_stay(job) && !exports(job) && bytes >= LARGE &&
+           iso_file_set_read_bytes(job->plan->files) < bytes / PART;
+}
+
 /* Whether the volume is too large to be read, or its surface to be made beside it. */
 static bool is_too_large(const isorender_job *job) {
     const uint64_t limit = iso_memory_limit(job->settings->common.input.max_memory);
@@ -102,7 +111,7 @@ static int choose_side(const isorender_job *job) {
 iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const char *reason = NULL;
-    if (!is_asked_for(settings) && !is_too_large(job)) return ISO_OK;
+    if (!is_asked_for(settings) && !is_too_large(job) && !is_mostly_absent(job)) return ISO_OK;
     if (!job->has_volume)
         return iso_fail(error, ISO_ERR_USAGE, "--part, --chunk-size and mpirun are for volumes");
     const char *option = find_obstacle(job, &reason);
@@ -114,6 +123,7 @@ iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
     job->chunks = calloc(1, sizeof *job->chunks);
     if (!job->chunks) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     job->chunks->cpu = isorender_backend_cpu();
+    job->chunks->fits = !is_asked_for(settings) && (job->did_not_fit || !is_too_large(job));
     job->backend = &job->chunks->cpu;
     job->loader.mapped = true;
     job->loader.set_aside = isorender_plan_draws(job->plan) ? isorender_picture_bytes(job, job->samples) : 0;

@@ -15,6 +15,7 @@ typedef struct isorender_chunks {
     iso_volume_index index;
     char *index_path;  /* where the index is kept; NULL: nowhere */
     const char *stage; /* of isorender_progress, while chunks are visited */
+    bool fits;         /* the volume could be read as a whole: its picture is framed as if it were */
     /* The error of isorender_chunks_bounds, kept until a caller that can fail returns it. */
     iso_status status;
     iso_error error;

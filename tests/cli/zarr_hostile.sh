@@ -71,6 +71,17 @@ v2("in/none.zarr", [4000] * 3, [16] * 3)
 status, text = run("in/none.zarr", "-o", "none.png", "--max-memory", "256M", limit=20)
 expect(status == 6 and "every voxel is 5" in text, status, text)
 
+# the memory suffices for all of it, of which a millionth is stored: 1 s of the processor (read whole: 10 s)
+v2("in/huge.zarr", [2000] * 3, [20] * 3)
+for at in range(40, 60):
+    write("in/huge.zarr/%d/50/50" % at, b"\xc8" * 8000)
+before = os.times()
+status, text = run("in/huge.zarr", "-o", "huge.png", "--isovalue", "100", "--max-memory", "20G", "--json=huge.json",
+                   "--quiet", limit=60)
+after = os.times()
+spent = after.children_user + after.children_system - before.children_user - before.children_system
+expect(status == 0 and "chunks" in report("huge.json") and spent < 3, status, text, spent)
+
 # metadata of some megabytes is not parsed
 write("in/long.zarr/.zarray", b'{"zarr_format": 2, "x": [' + b"[]," * 1000000 + b"[]]}")
 refused(5, "metadata of more than 1 MB", "in/long.zarr", "--max-memory", "64M")
