@@ -86,8 +86,8 @@ static bool can_stay(const isorender_job *job) {
             info->bytes / MOST_COMPRESSED <= iso_file_set_read_bytes(job->plan->files));
 }
 
-/* Whether nearly all of a large volume is not stored (absent chunks of HDF5 and Zarr): in chunks a picture takes
- * time for what is. */
+/* Whether nearly all of a large volume is not stored (absent chunks of HDF5 and Zarr): in chunks a picture
+ * takes time for what is. */
 static bool is_mostly_absent(const isorender_job *job) {
     static const uint64_t LARGE = 1 << 30, PART = 256;
     const uint64_t bytes = job->loader.volume.info.bytes;

@@ -185,7 +185,7 @@ static void strokes_keep_to_the_colors(void **state) {
     uint32_t seed = 11;
     bool drawing = false;
     for (int i = 0; i < 160; i++) {
-        const iso_event event = session_random_event(&seed, ISO_TOOL_COUNT, &drawing);
+        const iso_event event = session_random_event(&seed, ISO_TOOL_TRIM_PLANE, &drawing);
         iso_session_play(session, &event, NULL, NULL);
     }
     if (drawing) assert_int_equal(iso_session_end(session, NULL), ISO_OK);
