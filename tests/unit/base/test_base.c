@@ -580,7 +580,8 @@ static void buffers_move_piece_by_piece(void **state) {
     const uint64_t most = iso_number_in_file("/proc/self/status", "VmHWM:");
     words = buffer.data;
     for (uint32_t i = 0; i < FIRST * MEGABYTE / 4 - 2; i++) assert_int_equal(words[i], i * 2654435761u);
-    if (is_measured) assert_in_range(most, before, before + 24 * 1024);
+    /* half of what is copied: the address sanitizer notes an eighth of what is allocated */
+    if (is_measured) assert_in_range(most, before, before + FIRST * 1024 / 2);
     iso_buffer_free(&buffer);
 }
 
