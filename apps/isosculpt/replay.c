@@ -204,7 +204,7 @@ static iso_status play_all(player *p, iso_journal_reader *reader, iso_error *err
         if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
     }
     if (!drawing) return ISO_OK;
-    return iso_journal_add_location(reader, iso_session_end(p->session, error),
+    return iso_journal_add_location(reader, iso_session_end_cut_off(p->session, error),
                                     error); /* for a file that ends within a stroke */
 }
 

@@ -36,7 +36,7 @@ iso_status iso_strokes_next(iso_strokes *strokes, iso_event *event, bool *more, 
         status = iso_session_play(strokes->session, event, NULL, error);
         if (event->kind <= ISO_EVENT_CANCEL) strokes->drawing = event->kind <= ISO_EVENT_SAMPLE;
     } else if (strokes->drawing) {
-        status = iso_session_end(strokes->session, error);
+        status = iso_session_end_cut_off(strokes->session, error);
         strokes->drawing = false;
     }
     return iso_journal_add_location(strokes->reader, status, error);

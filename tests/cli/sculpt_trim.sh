@@ -26,6 +26,7 @@ write("gone", outline([(40.0, 40.0), (-40.0, 40.0), (-40.0, -40.0), (40.0, -40.0
 for name, points, tool in (("two", [(0.0, 0.0), (5.0, 0.0)], "trim-lasso"), ("flat", [(0.0, 0.0), (5.0, 0.0), (9.0, 0.0)], "crop-lasso"),
                            ("point", [(1.0, 0.0), (1.0, 0.0)], "trim-plane")):
     s.write(name + ".bad", outline([(0.0, -9.0), (0.0, 9.0)], tool="trim-plane") + outline(points, tool=tool), head)
+write("killed", outline([(0.0, -9.0), (0.0, 9.0)], tool="trim-plane") + outline(circle, tool="trim-lasso")[:-1])
 P
 python3 make.py
 play() { isosculpt --replay "$1.strokes" --headless --mesh "$2.ply" --json="$2.json" --quiet "${@:3}"; }
@@ -39,6 +40,12 @@ cmp again.ply core.ply
 play hole round --edit 1:blend=2
 play line muted --mute 1
 cmp muted.ply ball.ply
+# a session that was killed within a lasso: what the lasso would have removed is there
+play killed killed --save-strokes kept.strokes
+cmp killed.ply line.ply
+play kept kept
+cmp kept.ply line.ply
+isorender killed.strokes killed.png --resolution 40x40 --quiet
 python3 - <<'P'
 from check import *
 from math import pi, sqrt, tan, atan

@@ -159,7 +159,7 @@ static void play(iso_journal_reader *reader, iso_session *session, const char *p
         check_field(iso_session_grid(session));
     }
     if (status != ISO_OK) check_error(&error, status, path);
-    if (drawing && iso_session_end(session, NULL) != ISO_OK) abort();
+    if (drawing && iso_session_end_cut_off(session, NULL) != ISO_OK) abort();
     check_field(iso_session_grid(session));
     check_undo(session, before);
 }

@@ -456,7 +456,7 @@ static iso_status write_events(iso_journal_reader *reader, const iso_event *edit
     iso_event event;
     iso_journal_start start = reader->start;
     unsigned long long number = 0;
-    bool more = true, drawing = false;
+    bool more = true, drawing = false, acts_at_end = false;
     if (count && (start.isovalue == 0 || !start.voxel_isovalue)) {
         start.has_edits = true;
         start.voxel_isovalue = false;
@@ -466,11 +466,12 @@ static iso_status write_events(iso_journal_reader *reader, const iso_event *edit
         ISO_TRY(iso_journal_next(reader, &event, &more, error));
         if (!more) break;
         if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
+        if (event.kind == ISO_EVENT_BEGIN) acts_at_end = iso_tool_is_trim(event.brush.tool);
         if (event.kind != ISO_EVENT_CHECKPOINT)
             ISO_TRY(write_line(stream, iso_event_text(&event, number++), error));
     }
     memset(&event, 0, sizeof event);
-    event.kind = ISO_EVENT_END;
+    event.kind = acts_at_end ? ISO_EVENT_CANCEL : ISO_EVENT_END; /* as iso_session_end_cut_off */
     if (drawing) ISO_TRY(write_line(stream, iso_event_text(&event, number++), error));
     for (size_t i = 0; i < count; i++)
         ISO_TRY(write_line(stream, iso_event_text(&edits[i], number++), error));

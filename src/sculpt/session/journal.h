@@ -99,7 +99,8 @@ iso_status iso_journal_sync(iso_journal *journal, iso_error *error);
 iso_status iso_journal_close(iso_journal *journal, iso_error *error);
 
 /* Writes the events of a stroke file, and edits that follow them, to another file, which appears whole.
- * Checkpoints are left out, and a stroke without an end is ended. Errors: those of reading; ISO_ERR_WRITE. */
+ * Checkpoints are left out, and a stroke without an end is ended (iso_session_end_cut_off). Errors: those of
+ * reading; ISO_ERR_WRITE. */
 iso_status iso_journal_rewrite(const char *from, const iso_event *edits, size_t count, const char *to,
                                iso_error *error);
 

@@ -29,7 +29,8 @@ struct iso_session {
     iso_cell_items first_paint;                   /* of the field before all strokes */
     iso_stamp *stamp;                             /* NULL: none yet */
     int checkpoint_strokes, strokes, checkpoints; /* interval; strokes since the last one; number so far */
-    bool drawing;                                 /* a stroke is being drawn */
+    bool drawing;                                 /* a stroke is being drawn, */
+    bool acts_at_end;                             /* which does nothing before its end */
     bool replaying;     /* the journal being resumed: events are not recorded again */
     bool bounded;       /* an event of a stroke file is being replayed: check_cost applies */
     double cost_factor; /* of the options */
@@ -252,13 +253,13 @@ static iso_status play_journal(iso_session *session, const iso_progress *progres
     return status;
 }
 
-/* Replays the journal and opens it for appending. A stroke without an end is ended. */
+/* Replays the journal and opens it for appending. */
 static iso_status resume(iso_session *session, const iso_progress *progress, iso_error *error) {
     session->replaying = true;
     iso_status status = play_journal(session, progress, error);
     session->replaying = false;
     if (status == ISO_OK) status = iso_journal_append(session->journal_path, &session->journal, error);
-    if (status == ISO_OK && session->drawing) status = iso_session_end(session, error);
+    if (status == ISO_OK && session->drawing) status = iso_session_end_cut_off(session, error);
     return status;
 }
 
@@ -550,6 +551,7 @@ static iso_status begin_stroke(iso_session *session, const iso_event *event, iso
     ISO_TRY(check_record(session, event, error));
     ISO_TRY(iso_stroke_log_add(&session->log, event, session->stamp, false, error));
     session->inserting = event->before > 0;
+    session->acts_at_end = iso_tool_is_trim(event->brush.tool);
     session->stats = stats;
     iso_status status = session->inserting ? check_edit(session, error) : begin_step(session, event, error);
     if (status == ISO_OK) status = record_event(session, event, error);
@@ -619,6 +621,10 @@ iso_status iso_session_cancel(iso_session *session, iso_error *error) {
     iso_stroke_log_remove(&session->log);
     session->drawing = false;
     return record_kind(session, ISO_EVENT_CANCEL, error);
+}
+
+iso_status iso_session_end_cut_off(iso_session *session, iso_error *error) {
+    return session->acts_at_end ? iso_session_cancel(session, error) : iso_session_end(session, error);
 }
 
 iso_status iso_session_undo(iso_session *session, iso_error *error) {

@@ -64,6 +64,9 @@ iso_status iso_session_sample(iso_session *session, const iso_sample *sample, is
                               iso_error *error);
 iso_status iso_session_end(iso_session *session, iso_error *error);
 iso_status iso_session_cancel(iso_session *session, iso_error *error);
+/* Ends a stroke whose end a stroke file lacks; one that acts only when it ends (iso_tool_is_trim) is
+ * cancelled, as its outline may be half drawn. Errors as of these. */
+iso_status iso_session_end_cut_off(iso_session *session, iso_error *error);
 iso_status iso_session_undo(iso_session *session, iso_error *error);
 iso_status iso_session_redo(iso_session *session, iso_error *error);
 

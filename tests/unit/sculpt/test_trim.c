@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -385,6 +386,44 @@ static void replay_and_edits_give_the_same(void **state) {
     session_remove_files(journal);
 }
 
+/* A session that was killed while an outline was drawn goes on without it, whether it outlined something yet.
+ * */
+static void half_an_outline_is_left_out(void **state) {
+    (void)state;
+    const char *journal = session_path("killed.strokes"), *copy = session_path("killed-copy.strokes");
+    const iso_brush lasso = {.tool = ISO_TOOL_TRIM_LASSO, .radius = 1};
+    const iso_event end = {.kind = ISO_EVENT_END};
+    iso_sample path[4];
+    rectangle(6, 4, 4, 50, path);
+    for (int drawn = 1; drawn <= 4; drawn++) {
+        session_remove_files(journal);
+        iso_session *session = open_session(journal, NULL);
+        draw_some(session);
+        session_field before = session_field_of(session);
+        assert_int_equal(iso_session_begin(session, &lasso, path, NULL, NULL), ISO_OK);
+        for (int i = 1; i < drawn; i++)
+            assert_int_equal(iso_session_sample(session, &path[i], NULL, NULL), ISO_OK);
+        iso_session_destroy(session);
+        unlink(copy);
+        assert_int_equal(iso_journal_rewrite(journal, NULL, 0, copy, NULL), ISO_OK);
+        session =
+            session_open(&(iso_session_opts){.journal = journal, .resume = true, .checkpoint_strokes = -1});
+        assert_true(session_is(session, &before));
+        draw_some(session); /* it goes on */
+        iso_session_destroy(session);
+        for (int k = 0; k < 2; k++) { /* and can be resumed again; so can a copy of the file */
+            session = session_open(
+                &(iso_session_opts){.journal = k ? copy : journal, .resume = true, .checkpoint_strokes = -1});
+            assert_int_equal(session_is(session, &before), k == 1);
+            assert_int_equal(iso_session_play(session, &end, NULL, NULL), ISO_ERR_USAGE);
+            iso_session_destroy(session);
+        }
+        session_field_free(&before);
+    }
+    session_remove_files(journal);
+    session_remove_files(copy);
+}
+
 static void nothing_outlined_is_refused(void **state) {
     (void)state;
     iso_sample path[4];
@@ -450,6 +489,7 @@ int main(void) {
                                        cmocka_unit_test(symmetry_trims_both_sides),
                                        cmocka_unit_test(frozen_voxels_stay),
                                        cmocka_unit_test(replay_and_edits_give_the_same),
+                                       cmocka_unit_test(half_an_outline_is_left_out),
                                        cmocka_unit_test(nothing_outlined_is_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
