@@ -109,3 +109,30 @@ bool session_is(iso_session *session, const session_field *field) {
     return sculpt_same(iso_session_grid(session), field->grid) &&
            session_same_items(iso_session_items(session), &field->items);
 }
+
+void session_stroke(iso_session *session, const iso_brush *brush, const iso_vec3 *at, int count) {
+    iso_sample sample = {.pressure = 1};
+    for (int i = 0; i < count; i++) {
+        sample.position = at[i];
+        sample.normal = iso_vec3_unit(at[i]);
+        assert_int_equal(i ? iso_session_sample(session, &sample, NULL, NULL)
+                           : iso_session_begin(session, brush, &sample, NULL, NULL),
+                         ISO_OK);
+    }
+    assert_int_equal(iso_session_end(session, NULL), ISO_OK);
+}
+
+iso_session *session_drawn(const char *journal, void (*draw)(iso_session *session), session_field *drawn) {
+    iso_pool *pool;
+    session_remove_files(journal);
+    assert_int_equal(iso_pool_create(4, &pool, NULL), ISO_OK);
+    iso_session *session = session_open(&(iso_session_opts){.journal = journal, .checkpoint_strokes = -1}),
+                *other = session_open(&(iso_session_opts){.pool = pool, .checkpoint_strokes = -1});
+    draw(session);
+    draw(other);
+    *drawn = session_field_of(session);
+    assert_true(session_is(other, drawn));
+    iso_session_destroy(other);
+    iso_pool_destroy(pool);
+    return session;
+}

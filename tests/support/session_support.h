@@ -21,6 +21,9 @@ iso_brush session_random_brush(uint32_t *seed, int tools);
 /* The next of an endless sequence of random events; `drawing` is state of the caller. */
 iso_event session_random_event(uint32_t *seed, int tools, bool *drawing);
 
+/* Draws a stroke through places whose normals lead away from the world's origin. */
+void session_stroke(iso_session *session, const iso_brush *brush, const iso_vec3 *at, int count);
+
 /* The result of a session: the field, the frozen voxels and the paint. */
 typedef struct session_field {
     iso_hgrid *grid;
@@ -31,5 +34,9 @@ void session_field_free(session_field *field);
 bool session_same_items(const iso_field_items *a, const iso_field_items *b);
 /* Whether the session has the same result, bit for bit. */
 bool session_is(iso_session *session, const session_field *field);
+
+/* A session with a new journal and without checkpoints, in which `draw` has drawn; *drawn is its result.
+ * Fails if that is another one with four threads. */
+iso_session *session_drawn(const char *journal, void (*draw)(iso_session *session), session_field *drawn);
 
 #endif

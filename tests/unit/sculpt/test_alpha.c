@@ -171,16 +171,8 @@ static void draw_some(iso_session *session) {
 static void replay_needs_no_picture(void **state) {
     (void)state;
     const char *journal = session_path("alpha.strokes");
-    iso_pool *pool;
-    session_remove_files(journal);
-    assert_int_equal(iso_pool_create(4, &pool, NULL), ISO_OK);
-    iso_session *session = open_session(journal, NULL), *other = open_session(NULL, pool);
-    draw_some(session);
-    draw_some(other);
-    session_field drawn = session_field_of(session);
-    assert_true(session_is(other, &drawn)); /* any number of threads */
-    iso_session_destroy(other);
-    iso_pool_destroy(pool);
+    session_field drawn;
+    iso_session *session = session_drawn(journal, draw_some, &drawn);
     iso_event edit = {.kind = ISO_EVENT_EDIT, .first = 1, .last = 1, .brush = INFLATE};
     edit.brush.alpha = ISO_ALPHA_FOLLOWS;
     assert_int_equal(iso_session_edit(session, &edit, NULL), ISO_OK);

@@ -13,23 +13,11 @@
 
 static const iso_rgb BLUE = {20, 60, 220};
 
-static void draw(iso_session *session, const iso_brush *brush, const iso_vec3 *at, int count) {
-    iso_sample sample = {.pressure = 1};
-    for (int i = 0; i < count; i++) {
-        sample.position = at[i];
-        sample.normal = iso_vec3_unit(at[i]);
-        assert_int_equal(i ? iso_session_sample(session, &sample, NULL, NULL)
-                           : iso_session_begin(session, brush, &sample, NULL, NULL),
-                         ISO_OK);
-    }
-    assert_int_equal(iso_session_end(session, NULL), ISO_OK);
-}
-
 static void touch(iso_session *session, iso_tool tool, double radius, iso_vec3 at, const iso_rgb *color) {
     iso_brush brush = {
         .tool = tool, .falloff = ISO_FALLOFF_CONSTANT, .radius = radius, .has_color = color != NULL};
     if (color) brush.color = *color;
-    draw(session, &brush, &at, 1);
+    session_stroke(session, &brush, &at, 1);
 }
 
 /* The colour at a place in the world. */
@@ -120,11 +108,11 @@ static void warps_carry_paint(void **state) {
     iso_session *session = open_painted();
     session_field before = session_field_of(session);
     assert_int_equal(color_at(session, iso_vec3_make(6.5, 0, 7.6)), 0);
-    draw(session, &move, path, 2);
+    session_stroke(session, &move, path, 2);
     assert_int_equal(color_at(session, iso_vec3_make(6, 0, 8)) >> 24, 255);
     assert_int_equal(iso_session_undo(session, NULL), ISO_OK);
     assert_true(session_is(session, &before));
-    draw(session, &move, path, 3);
+    session_stroke(session, &move, path, 3);
     assert_true(session_same_items(iso_session_items(session), &before.items));
     session_field_free(&before);
     iso_session_destroy(session);
@@ -138,7 +126,7 @@ static void symmetry_mirrors_paint(void **state) {
     for (int i = 0; i < 4; i++) {
         const iso_brush brush = {
             .tool = tools[i], .radius = 4, .symmetry = 1, .has_color = i != 3, .color = BLUE};
-        draw(session, &brush, path, 3);
+        session_stroke(session, &brush, path, 3);
     }
     const iso_hgrid *grid = iso_session_grid(session);
     iso_paint_view view = {.paint = &iso_session_items(session)->of[ISO_ITEM_PAINT]};
@@ -191,7 +179,7 @@ static void colors_are_the_same_everywhere(void **state) {
                 path[k] = iso_vec3_scale(sample.normal, 10);
                 if (k) path[k] = iso_vec3_add(path[k - 1], iso_vec3_scale(path[k], 0.2));
             }
-            draw(session, &brush, path, 3);
+            session_stroke(session, &brush, path, 3);
             const size_t used = iso_session_items(session)->of[ISO_ITEM_PAINT].used;
             most = used > most ? used : most;
         }

@@ -22,18 +22,6 @@ static const iso_tool TOOLS[] = {ISO_TOOL_ADD,     ISO_TOOL_CARVE,      ISO_TOOL
                                  ISO_TOOL_CREASE,  ISO_TOOL_PAINT};
 enum { TOOL_COUNT = sizeof TOOLS / sizeof *TOOLS };
 
-static void draw(iso_session *session, const iso_brush *brush, const iso_vec3 *at, int count) {
-    iso_sample sample = {.pressure = 1};
-    for (int i = 0; i < count; i++) {
-        sample.position = at[i];
-        sample.normal = iso_vec3_unit(at[i]);
-        assert_int_equal(i ? iso_session_sample(session, &sample, NULL, NULL)
-                           : iso_session_begin(session, brush, &sample, NULL, NULL),
-                         ISO_OK);
-    }
-    assert_int_equal(iso_session_end(session, NULL), ISO_OK);
-}
-
 static iso_brush make_brush(iso_tool tool, unsigned radial, char axis) {
     return (iso_brush){.tool = tool,
                        .radius = 2.3,
@@ -51,7 +39,7 @@ static void draw_all(iso_session *session, unsigned radial, char axis, unsigned 
         const double h = 9.5 - 1.4 * i, r = sqrt(fmax(100 - h * h, 0));
         const iso_vec3 path[] = {{0.8 * r, 0.6 * r, h}, {0.75 * r, 0.65 * r, h - 0.7}, {0.6 * r, 0.8 * r, h}};
         brush.symmetry = symmetry;
-        draw(session, &brush, path, 3);
+        session_stroke(session, &brush, path, 3);
     }
 }
 
@@ -111,8 +99,8 @@ static void half_and_quarter_turns_are_exact(void **state) {
         iso_brush brush = make_brush(TOOLS[c / 5], radial, cases[c % 5].axis);
         iso_session *session = open_session(NULL, NULL);
         brush.symmetry = cases[c % 5].symmetry;
-        draw(session, &brush, (iso_vec3[]){{6, 4.5, 6.2}, {5.6, 4.8, 6}, {5, 5.2, 6.2}}, 3);
-        draw(session, &brush, (iso_vec3[]){{1, 2, 9.7}, {0.5, 0.3, 10}}, 2); /* images meet */
+        session_stroke(session, &brush, (iso_vec3[]){{6, 4.5, 6.2}, {5.6, 4.8, 6}, {5, 5.2, 6.2}}, 3);
+        session_stroke(session, &brush, (iso_vec3[]){{1, 2, 9.7}, {0.5, 0.3, 10}}, 2); /* images meet */
         const iso_hgrid *grid = iso_session_grid(session);
         const int a = cases[c % 5].axis - 'x', u = (a + 1) % 3, v = (a + 2) % 3;
         size_t wrong = 0;
@@ -156,9 +144,9 @@ static void other_turns_are_near(void **state) {
         double unit[3] = {0.61, 0.61, 0.61}, sine, cosine, sum = 0, most = 0;
         unit[axis - 'x'] = 0.5;
         brush.symmetry = c % 2 ? 1u << (axis - 'x') : 0;
-        draw(session, &brush, (iso_vec3[]){{r * unit[0], r * unit[1], r * unit[2]}}, 1);
+        session_stroke(session, &brush, (iso_vec3[]){{r * unit[0], r * unit[1], r * unit[2]}}, 1);
         brush.tool = ISO_TOOL_INFLATE;
-        draw(session, &brush, (iso_vec3[]){{r * unit[1], r * unit[2], -r * unit[0]}}, 1);
+        session_stroke(session, &brush, (iso_vec3[]){{r * unit[1], r * unit[2], -r * unit[0]}}, 1);
         const iso_hgrid *grid = iso_session_grid(session);
         iso_sincos(2 * ISO_PI / radial, &sine, &cosine);
         const int a = axis - 'x', u = (a + 1) % 3, v = (a + 2) % 3;
@@ -198,8 +186,8 @@ static void images_on_the_axis_act_once(void **state) {
     for (size_t t = 0; t < sizeof tools / sizeof *tools; t++) {
         iso_session *one = open_session(NULL, NULL), *many = open_session(NULL, NULL);
         const iso_brush plain = make_brush(tools[t], 0, 0), radial = make_brush(tools[t], 32, 'z');
-        draw(one, &plain, (iso_vec3[]){{0, 0, 10}}, 1);
-        draw(many, &radial, (iso_vec3[]){{0, 0, 10}}, 1);
+        session_stroke(one, &plain, (iso_vec3[]){{0, 0, 10}}, 1);
+        session_stroke(many, &radial, (iso_vec3[]){{0, 0, 10}}, 1);
         double most = 0, moved = 0;
         for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
             const int at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
@@ -474,7 +462,7 @@ static void overlapping_images_leave_distances(void **state) {
         iso_session *session = open_session(NULL, NULL);
         iso_brush brush = make_brush(tools[t], 9, 'z');
         const uint64_t begun = iso_change_log_now(iso_session_grid(session)->log);
-        draw(session, &brush, (iso_vec3[]){{1.5, 1, 9.4}, {2.5, 1.5, 9}, {4, 2, 8.6}}, 3);
+        session_stroke(session, &brush, (iso_vec3[]){{1.5, 1, 9.4}, {2.5, 1.5, 9}, {4, 2, 8.6}}, 3);
         const sculpt_quality q = sculpt_measure(iso_session_grid(session), begun);
         print_message("%s: | |g| - 1 | mean %.4f, foot points p99 %.3f, %zu of %zu clamped\n",
                       iso_tool_name(tools[t]), q.gradient_mean, q.foot_p99, q.clamped, q.voxels);

@@ -344,16 +344,8 @@ static void draw_some(iso_session *session) {
 static void replay_and_edits_give_the_same(void **state) {
     (void)state;
     const char *journal = session_path("trim.strokes");
-    iso_pool *pool;
-    session_remove_files(journal);
-    assert_int_equal(iso_pool_create(4, &pool, NULL), ISO_OK);
-    iso_session *session = open_session(journal, NULL), *other = open_session(NULL, pool);
-    draw_some(session);
-    draw_some(other);
-    session_field drawn = session_field_of(session);
-    assert_true(session_is(other, &drawn)); /* any number of threads */
-    iso_session_destroy(other);
-    iso_pool_destroy(pool);
+    session_field drawn;
+    iso_session *session = session_drawn(journal, draw_some, &drawn);
     while (iso_history_position(iso_session_history(session)))
         assert_int_equal(iso_session_undo(session, NULL), ISO_OK);
     while (iso_history_position(iso_session_history(session)) <
