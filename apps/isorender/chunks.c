@@ -91,8 +91,7 @@ static bool can_stay(const isorender_job *job) {
 static bool is_mostly_absent(const isorender_job *job) {
     static const uint64_t LARGE = 1 << 30, PART = 256;
     const uint64_t bytes = job->loader.volume.info.bytes;
-    return can_stay(job) && !exports(job) && bytes >= LARGE &&
-           iso_file_set_read_bytes(job->plan->files) < bytes / PART;
+    return can_stay(job) && bytes >= LARGE && iso_file_set_read_bytes(job->plan->files) < bytes / PART;
 }
 
 /* Whether the volume is too large to be read, or its surface to be made beside it. */

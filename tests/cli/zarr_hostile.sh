@@ -77,7 +77,7 @@ for at in range(40, 60):
     write("in/huge.zarr/%d/50/50" % at, b"\xc8" * 8000)
 before = os.times()
 status, text = run("in/huge.zarr", "-o", "huge.png", "--isovalue", "100", "--max-memory", "20G", "--json=huge.json",
-                   "--quiet", limit=60)
+                   "--mesh", "huge.ply", "--points", "huge-points.ply", "--quiet", limit=60)
 after = os.times()
 spent = after.children_user + after.children_system - before.children_user - before.children_system
 expect(status == 0 and "chunks" in report("huge.json") and spent < 3, status, text, spent)
