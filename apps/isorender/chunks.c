@@ -86,12 +86,13 @@ static bool can_stay(const isorender_job *job) {
             info->bytes / MOST_COMPRESSED <= iso_file_set_read_bytes(job->plan->files));
 }
 
-/* Whether nearly all of a large volume is not stored (absent chunks of HDF5 and Zarr): in chunks a picture
- * takes time for what is. */
+/* Whether nearly all of a large volume is not stored (absent chunks of HDF5 and Zarr), judged by the size of
+ * its files: in chunks its surface takes time for what is. */
 static bool is_mostly_absent(const isorender_job *job) {
     static const uint64_t LARGE = 1 << 30, PART = 256;
     const uint64_t bytes = job->loader.volume.info.bytes;
-    return can_stay(job) && bytes >= LARGE && iso_file_set_read_bytes(job->plan->files) < bytes / PART;
+    return can_stay(job) && iso_volume_may_be_sparse(&job->loader.volume.info) && bytes >= LARGE &&
+           iso_file_set_read_bytes(job->plan->files) < bytes / PART;
 }
 
 /* Whether the volume is too large to be read, or its surface to be made beside it. */

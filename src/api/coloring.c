@@ -97,6 +97,10 @@ iso_status iso_api_colorings_begin(const iso_api_colored *what, const iso_render
                                      .given = opts->color_by,
                                      .count = opts->color_by_count,
                                      .surface_count = what->count};
+    colorings->painted = iso_alloc_zero((size_t)what->count + 1, sizeof *colorings->painted);
+    colorings->paint = iso_alloc_zero((size_t)what->count + 1, sizeof *colorings->paint);
+    if (!colorings->painted || !colorings->paint)
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the paint of %d surfaces", what->count);
     if (count) {
         colorings->made = iso_alloc_zero(count, sizeof *colorings->made);
         colorings->distances = iso_alloc_zero(count, sizeof *colorings->distances);
@@ -114,4 +118,6 @@ void iso_api_colorings_end(iso_api_colorings *colorings) {
         iso_distance_destroy(colorings->distances[i]);
     iso_free(colorings->distances);
     iso_free(colorings->made);
+    iso_free(colorings->painted);
+    iso_free(colorings->paint);
 }

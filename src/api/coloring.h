@@ -16,8 +16,8 @@ typedef struct iso_api_colorings {
     iso_coloring *made; /* NULL: none */
     iso_distance **distances;
     int surface_count;
-    iso_painted painted[ISO_SURFACE_MAX]; /* by surface */
-    iso_coloring paint[ISO_SURFACE_MAX];
+    iso_painted *painted; /* by surface */
+    iso_coloring *paint;
 } iso_api_colorings;
 
 /* ISO_ERR_USAGE: something that cannot be. translucent: a surface is. */

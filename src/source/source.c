@@ -289,7 +289,8 @@ static iso_status convert_volume(const iso_source *source, iso_hgrid **grid, iso
         volume.grid = label;
     }
     if (status == ISO_OK) status = convert_grid(source, &volume.grid, grid, error);
-    const bool may_have_colors = source->paint && strcmp(volume.info.format, "vdb") == 0;
+    const bool has_own_spacing = source->input && source->input->spacing[0] > 0, /* not that of the colours */
+        may_have_colors = source->paint && !has_own_spacing && strcmp(volume.info.format, "vdb") == 0;
     iso_volume_free(&volume);
     if (status != ISO_OK || !may_have_colors) return status;
     status = iso_source_paint_of_vdb(source->path, *grid, source->pool, source->paint, error);

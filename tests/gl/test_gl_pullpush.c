@@ -67,8 +67,7 @@ static void scenes_look_as_from_the_cpu(iso_gl_engine *engine) {
         for (int side = 0; side < GL_SIDES; side++)
             views[side] = gl_side_view(&s.surface.box, side, side % 2, 200 + 40 * side, 230);
         double worst = check_both(engine, &packed, views, GL_SIDES, cases[i].name);
-        worst = fmin(worst, gl_check_pullpush(engine, &floats, ISO_RECONSTRUCTION_GAUSSIAN, views, GL_SIDES,
-                                              cases[i].name));
+        worst = fmin(worst, check_both(engine, &floats, views, GL_SIDES, cases[i].name));
         double curved = INFINITY;
         for (int k = 0; k < 2; k++) {
             iso_point_view discs = iso_point_set_view(s.discs[k]);
@@ -213,7 +212,7 @@ static void points_have_colours_of_their_own(iso_gl_engine *engine) {
  * curvatures, which are not used. */
 static void coloured_discs_look_as_from_the_cpu(iso_gl_engine *engine) {
     static const char *const names[] = {"sphere", "gyroid"};
-    static const int sizes[] = {48, 112};
+    static const int sizes[] = {48, 160};
     for (int n = 0; n < 4; n++) {
         scene s = make_scene(names[n % 2], sizes[n / 2]);
         iso_point_view points = iso_point_set_view(s.discs[n % 2]);

@@ -13,6 +13,14 @@
 
 #include "base/status.h"
 
+#ifdef __SANITIZE_ADDRESS__ /* gcc; clang has a feature */
+#define ADDRESS_SANITIZER
+#elif defined __has_feature
+#if __has_feature(address_sanitizer)
+#define ADDRESS_SANITIZER
+#endif
+#endif
+
 /* Fails the test with the error's text unless status is ISO_OK. */
 static inline void test_ok(iso_status status, const iso_error *error) {
     if (status != ISO_OK) fail_msg("%s", error->text);

@@ -111,7 +111,7 @@ typedef struct iso_brush_image {
 } iso_brush_image;
 
 bool iso_brush_is_radial(const iso_brush *brush);
-/* The axis of the radial symmetry. 0: x. */
+/* The axis of the radial symmetry, 0 (x) to 2 (z, also if the brush names none). */
 int iso_brush_radial_axis(const iso_brush *brush);
 /* Lists the images of a brush's touches and returns their number. */
 int iso_brush_images(const iso_brush *brush, iso_brush_image images[ISO_IMAGES_MOST]);

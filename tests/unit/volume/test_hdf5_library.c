@@ -17,19 +17,12 @@
 #include <cmocka.h>
 
 #include "base/parallel.h"
+#include "check_support.h"
 #include "file_support.h"
 #include "hdf5_plugin.h"
 #include "hdf5_support.h"
 #include "make_volumes.h"
 #include "volume_support.h"
-
-#ifdef __SANITIZE_ADDRESS__ /* gcc; clang has a feature */
-#define ADDRESS_SANITIZER
-#elif defined __has_feature
-#if __has_feature(address_sanitizer)
-#define ADDRESS_SANITIZER
-#endif
-#endif
 
 const char hdf5_folder[] = ISO_TEST_TMP "/hdf5_library";
 
