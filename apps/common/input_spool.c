@@ -4,8 +4,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,10 +24,6 @@ enum {
 bool iso_spool_is_stream(const char *path) {
     struct stat info;
     return strcmp(path, "-") == 0 || (stat(path, &info) == 0 && S_ISFIFO(info.st_mode));
-}
-
-bool iso_spool_needed(const char *path) {
-    return iso_spool_is_stream(path) || iso_volume_is_remote_file(path);
 }
 
 const char *iso_spool_name(const char *path) {
@@ -139,8 +133,8 @@ static iso_status read_format(copier *c, size_t *count, const char **format, iso
     else if (!*format && c->opts->points && points != ISO_FILE_UNKNOWN)
         *format = iso_file_type_name(points);
     if (*format) return ISO_OK;
-    return iso_fail(error, ISO_ERR_FORMAT, "%s: its first bytes are not those of a volume that can be read%s",
-                    c->name, iso_volume_is_remote_file(c->name) ? ": copy it here (curl -O)" : "");
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: its first bytes are not those of a volume that can be read",
+                    c->name);
 }
 
 /* Returns the largest possible size of a file with this header; numbers written as text take the most
@@ -219,54 +213,6 @@ static iso_status copy_input(copier *c, iso_error *error) {
     return status;
 }
 
-/* ---- a file on a server: it comes through a pipe, which a thread fills ---- */
-
-typedef struct download {
-    const char *url;
-    int pipe;
-    iso_status status;
-    iso_error error;
-} download;
-
-static void *run_download(void *context) {
-    download *d = context;
-    sigset_t broken_pipe;
-    sigemptyset(&broken_pipe);
-    sigaddset(&broken_pipe, SIGPIPE); /* the copy has ended: the next write fails */
-    pthread_sigmask(SIG_BLOCK, &broken_pipe, NULL);
-    FILE *stream = fdopen(d->pipe, "wb");
-    if (!stream) {
-        close(d->pipe);
-        d->status = iso_fail_memory(&d->error, d->url);
-        return NULL;
-    }
-    d->status = iso_volume_copy_remote(d->url, stream, &d->error);
-    fclose(stream);
-    return NULL;
-}
-
-/* What the server refused explains an input that is empty or too short; a copy that ends early, on purpose or
- * not, explains that the pipe broke. */
-static iso_status copy_remote(copier *c, iso_error *error) {
-    int ends[2];
-    pthread_t thread;
-    download d = {.url = c->name};
-    if (pipe2(ends, O_CLOEXEC) != 0) return iso_fail_memory(error, c->name);
-    c->input = ends[0];
-    d.pipe = ends[1];
-    if (pthread_create(&thread, NULL, run_download, &d) != 0) {
-        close(ends[0]);
-        close(ends[1]);
-        return iso_fail_memory(error, c->name);
-    }
-    iso_status status = copy_input(c, error);
-    close(ends[0]);
-    pthread_join(thread, NULL);
-    if (d.status == ISO_OK || d.status == ISO_ERR_WRITE) return status;
-    if (error) *error = d.error;
-    return d.status;
-}
-
 /* ---- the input ---- */
 
 /* Returns whether standard input is a regular file that has not been read from yet; it then needs no copy. */
@@ -289,7 +235,6 @@ iso_status iso_spool_open(const char *path, const iso_spool_opts *opts, iso_spoo
                 .spool = spool,
                 .end = UINT64_MAX,
                 .limit = iso_memory_limit(opts->volume->max_memory)};
-    if (iso_volume_is_remote_file(path)) return copy_remote(&c, error);
     c.input = standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     if (c.input < 0) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     iso_status status = standard && reuse_file(&c) ? ISO_OK : copy_input(&c, error);

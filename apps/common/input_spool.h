@@ -1,5 +1,5 @@
-/* input_spool: copies an input that can be read only once (standard input, a FIFO), or is a file on a web
- * server, to a temporary file, which readers can open several times and seek in.
+/* input_spool: copies an input that can be read only once (standard input, a FIFO) to a temporary file, which
+ * readers can open several times and seek in.
  *
  * The file is in TMPDIR (/tmp) and has no name, so that it vanishes with the program. Readers open it by the
  * path in the spool, which leads to the open descriptor (/proc/self/fd/N). The first bytes are checked before
@@ -8,7 +8,7 @@
  * does not say so, at the memory limit. A standard input that is a regular file is not copied.
  *
  *     iso_spool spool = {0};
- *     if (iso_spool_needed(path)) {
+ *     if (iso_spool_is_stream(path)) {
  *         ISO_TRY(iso_spool_open(path, &opts, &spool, error));
  *         path = spool.path;
  *     }
@@ -38,12 +38,9 @@ typedef struct iso_spool_opts {
 /* Whether an input is a FIFO or standard input ("-"), which can be read once. */
 bool iso_spool_is_stream(const char *path);
 
-/* Whether the input must be copied: "-" (standard input), the name of a FIFO, or the URL of a file. */
-bool iso_spool_needed(const char *path);
-
-/* Copies `path`, for which iso_spool_needed is true; waits for its writer. ISO_ERR_IO (it cannot be read, or
+/* Copies `path`, for which iso_spool_is_stream is true; waits for its writer. ISO_ERR_IO (it cannot be read, or
  * is empty), ISO_ERR_FORMAT (no volume), ISO_ERR_LIMIT (header or input exceed the memory limit),
- * ISO_ERR_UNSUPPORTED (built without libcurl), ISO_ERR_WRITE (no room in TMPDIR, which the message names;
+ * ISO_ERR_WRITE (no room in TMPDIR, which the message names;
  * other messages name the input). iso_spool_close, also after an error. */
 iso_status iso_spool_open(const char *path, const iso_spool_opts *opts, iso_spool *spool, iso_error *error);
 

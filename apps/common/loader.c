@@ -130,7 +130,7 @@ void iso_loader_list_files(const char *input, const iso_input *options, iso_file
     iso_volume_info info;
     iso_volume_opts opts = iso_input_volume_opts(options);
     opts.files = files;
-    if (iso_loader_is_scene(input) || iso_spool_needed(input)) return;
+    if (iso_loader_is_scene(input) || iso_spool_is_stream(input)) return;
     if (options->has_raw || !iso_loader_reads_points(input, NULL))
         iso_volume_read_info(input, &opts, &info, NULL);
 }
@@ -216,7 +216,7 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
     }
     iso_volume_opts opts = volume_opts(loader);
     const bool fifo_is_refused = loader->is_further && strcmp(loader->input, "-") != 0;
-    if (iso_spool_needed(loader->input) && !fifo_is_refused) {
+    if (iso_spool_is_stream(loader->input) && !fifo_is_refused) {
         iso_spool_opts spooling = {.volume = &opts, .points = true};
         ISO_TRY(iso_spool_open(loader->input, &spooling, &loader->spool, error));
         loader->path = loader->spool.path;

@@ -11,6 +11,7 @@
 #include "apps/common/synonyms.h"
 #include "base/text.h"
 #include "base/thread.h"
+#include "grids/volume/volume.h"
 #include "isopoint.h"
 
 /* Compares words without regard to case, independent of the locale. */
@@ -519,6 +520,7 @@ static void *call_main(void *argument) {
 int iso_program_main(int argc, char **argv, int (*run)(int argc, char **argv)) {
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
+    iso_volume_use_servers();
     main_call call = {.argc = argc, .argv = argv, .run = run};
     iso_call_with_stack(call_main, &call);
     return call.status;

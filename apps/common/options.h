@@ -157,7 +157,7 @@ int iso_program_fail(const iso_program *program, const iso_error *error, iso_sta
 
 /* For the main function of a program: calls run(argc, argv) with enough stack for the library and returns its
  * result. Signals for a closed pipe and for a file that may not grow are ignored, so that they become write
- * errors. */
+ * errors, and files that are read may be on web servers. */
 int iso_program_main(int argc, char **argv, int (*run)(int argc, char **argv));
 
 /* Flushes standard output. Returns the exit status: `status`, or that of ISO_ERR_WRITE when `status` is 0 and

@@ -100,7 +100,7 @@ iso_status isorender_channels_check(const isorender_settings *settings, iso_erro
     if (settings->input_count > 1)
         return iso_fail(error, ISO_ERR_USAGE, "several channels are drawn of one input: there are %d",
                         settings->input_count);
-    if (!settings->scene && iso_spool_needed(settings->inputs[0]))
+    if (!settings->scene && iso_spool_is_stream(settings->inputs[0]))
         return iso_fail(error, ISO_ERR_USAGE,
                         "%s: several channels are read one after another: from a file, not from a pipe",
                         iso_spool_name(settings->inputs[0]));

@@ -98,7 +98,7 @@ static iso_status add_frames(const isorender_settings *settings, const isorender
 }
 
 static void add_input(iso_file_set *files, const char *input) {
-    if (!iso_loader_is_scene(input) && !iso_spool_needed(input)) iso_file_set_read(files, input);
+    if (!iso_loader_is_scene(input) && !iso_spool_is_stream(input)) iso_file_set_read(files, input);
 }
 
 static iso_status add_files(const isorender_settings *settings, const isorender_plan *plan, int number,

@@ -34,7 +34,7 @@ iso_status isorender_level_choose(isorender_job *job, iso_error *error) {
     input->level = 0;
     iso_volume_opts opts = iso_input_volume_opts(input);
     iso_volume_info info, next;
-    if (iso_loader_is_scene(path) || iso_spool_needed(path)) return ISO_OK;
+    if (iso_loader_is_scene(path) || iso_spool_is_stream(path)) return ISO_OK;
     if (iso_loader_reads_points(path, job->settings->columns)) return ISO_OK;
     ISO_TRY(iso_volume_read_info(path, &opts, &info, error));
     const double pixel = pixel_size(job, &info);

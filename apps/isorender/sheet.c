@@ -38,7 +38,7 @@ iso_status isorender_sheet_check(isorender_settings *settings, const iso_operand
     settings->inputs = operands->values;
     settings->input_count = operands->count;
     for (int i = 0; i < operands->count; i++)
-        if (iso_spool_needed(operands->values[i]))
+        if (iso_spool_is_stream(operands->values[i]))
             return iso_fail(error, ISO_ERR_USAGE, "%s: a sheet is made of files and folders",
                             operands->values[i]);
     if (operands->count > 1 || !isorender_bids_is(operands->values[0])) return ISO_OK;

@@ -26,7 +26,7 @@ extern "C" {
 #endif
 
 /* Increase this if a type that modules share with the library changes between two releases. */
-#define ISO_MODULE_ABI 13
+#define ISO_MODULE_ABI 14
 
 struct iso_level_set_colors;
 /* Writes an hgrid to `stream`, as iso_level_set_put_vdb; `path` is for messages. */

@@ -116,7 +116,7 @@ typedef struct request {
     iso_raw_layout guessed;
     bool is_guessed;
     const char *path;    /* of the file */
-    char file[PATH_MAX]; /* the file's part of FILE:/array */
+    char file[PATH_MAX]; /* the file's part of FILE:/array, or the copy of what a URL names */
 } request;
 
 const char *iso_volume_array_of(const char *path) {
@@ -266,39 +266,49 @@ static iso_status fail_unknown(const char *path, const head *h, iso_error *error
                     path, volumes, others);
 }
 
-bool iso_volume_is_remote_file(const char *path) {
-    char name[PATH_MAX];
-    const size_t length = strcspn(path, "?#");
-    return iso_is_url(path) && snprintf(name, sizeof name, "%.*s", (int)length, path) < PATH_MAX &&
-           iso_file_type_of_name(name, ~0u) != ISO_FILE_UNKNOWN;
-}
-
 static iso_status load_remote(const char *url, const iso_module **module, iso_error *error) {
     return iso_module_load(url, "remote", "URL", module, error);
 }
 
-iso_status iso_volume_copy_remote(const char *url, FILE *stream, iso_error *error) {
+/* Whether a URL names a file, by how its name ends; else it is a folder's, of Zarr or N5, which is not copied.
+ */
+static bool is_remote_file(const char *url) {
+    return iso_file_type_of_name(url, ~0u) != ISO_FILE_UNKNOWN;
+}
+
+static iso_status fetch_file(const char *url, char path[PATH_MAX], iso_error *error) {
     const iso_module *module;
     ISO_TRY(load_remote(url, &module, error));
-    return module->remote->copy(url, stream, error);
+    return module->remote->fetch(url, iso_memory_limit(0), path, error);
+}
+
+/* Copies what is opened as a file (iso_file_fetcher). */
+static iso_status fetch_opened(const char *url, char path[PATH_MAX], iso_error *error) {
+    if (is_remote_file(url)) return fetch_file(url, path, error);
+    return iso_fail(error, ISO_ERR_FORMAT, "%s: its name is not that of a file that is read", url);
+}
+
+void iso_volume_use_servers(void) {
+    iso_file_set_fetcher(fetch_opened);
 }
 
 /* A path on a server: an array or image of Zarr, or N5. */
 static iso_status find_remote(const char *path, request *r, const iso_format **format, iso_error *error) {
     const iso_module *module;
-    if (r->opts.raw || iso_volume_is_remote_file(path))
-        return iso_fail(error, ISO_ERR_UNSUPPORTED,
-                        "%s: of what is on servers, only Zarr and N5 are read here: copy the file (curl -O)",
-                        path);
     ISO_TRY(load_remote(path, &module, error));
     r->opts.remote = module->remote;
     *format = &format_zarr;
     return ISO_OK;
 }
 
-static iso_status find_format(const char *path, request *r, const iso_format **format, iso_error *error) {
+static iso_status find_format(request *r, const iso_format **format, iso_error *error) {
+    const char *path = r->path;
     struct stat status;
-    if (iso_is_url(path)) return find_remote(path, r, format, error);
+    if (iso_is_url(path) && !r->opts.raw && !is_remote_file(path)) return find_remote(path, r, format, error);
+    if (iso_is_url(path)) {
+        ISO_TRY(fetch_file(path, r->file, error));
+        r->path = path = r->file;
+    }
     if (stat(path, &status) != 0)
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     if (S_ISDIR(status.st_mode)) {
@@ -539,8 +549,9 @@ static iso_status describe_file(const char *path, request *r, const iso_format *
     if (r->opts.channels) *r->opts.channels = (iso_channels){0};
     if (r->opts.component_axes)
         *r->opts.component_axes = (iso_component_axes){.to_world = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    iso_error detail = {0};
     ISO_TRY(divide_path(path, r, error));
-    ISO_TRY(find_format(r->path, r, format, error));
+    ISO_TRY(name_path(path, r, find_format(r, format, &detail), &detail, error));
     if (r->opts.level < 0)
         return iso_fail(
             error, ISO_ERR_USAGE,
@@ -548,7 +559,6 @@ static iso_status describe_file(const char *path, request *r, const iso_format *
     ISO_TRY(load_format(path, format, error));
     snprintf(info->format, sizeof info->format, "%s", (*format)->name);
     if (r->is_guessed) note_guess(&r->guessed, info);
-    iso_error detail = {0};
     r->opts.place = &r->place;
     r->opts.axes = &r->axes;
     iso_file_set_read(r->opts.files, r->path);

@@ -147,12 +147,9 @@ iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, i
  * not recognised, as raw files and formats that only the name tells. */
 const char *iso_volume_format(const void *bytes, size_t count);
 
-/* Whether a path is the URL of a file on a web server: its name, before any '?', ends as names of files do.
- * It is to be copied before it is read. Other URLs are those of Zarr and N5, of which parts are read. */
-bool iso_volume_is_remote_file(const char *path);
-/* Writes such a file to `stream` as it comes. ISO_ERR_IO: no server, its refusal, or it broke off;
- * ISO_ERR_WRITE: the stream failed; ISO_ERR_UNSUPPORTED: the module is not installed. */
-iso_status iso_volume_copy_remote(const char *url, FILE *stream, iso_error *error);
+/* From now on files that are opened may be on web servers (iso_file_set_fetcher): they are copied to the cache
+ * (remote/remote.h). Volumes are read from there without this. */
+void iso_volume_use_servers(void);
 
 /* Whether files of this format need not hold all voxels: those in tiles that are absent have one value. */
 bool iso_volume_may_be_sparse(const iso_volume_info *info);

@@ -73,7 +73,7 @@ static iso_status take_opacities(const char *path, iso_api_cloud *cloud, iso_err
 static iso_status read_cloud(const char *path, const iso_surface_cloud_opts *opts, iso_api_cloud *cloud,
                              iso_error *error) {
     const iso_read_opts reading = {.normals_from_faces = true};
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     ISO_TRY(iso_glyphs_read(path, &reading, &cloud->points, error));
     if (!cloud->points.count) return iso_fail(error, ISO_ERR_EMPTY, "%s: holds no usable point", path);
     if (opts->gaussians_as_discs) cloud->points.gaussians = false;

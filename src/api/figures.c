@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "api/internal.h"
 #include "image/annotate.h"
 #include "image/font.h"
 #include "image/image_file.h"
@@ -64,7 +65,7 @@ iso_status iso_figure_write(const iso_image *image, const iso_figure_opts *opts,
     const iso_png_text text = {"Software", software};
     iso_drawing drawing = {.marks = NULL};
     iso_image copy = {0};
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     ISO_TRY(iso_image_file_check(path, error));
     iso_status status = draw(image, opts, &drawing, error);
     if (status == ISO_OK) status = copy_image(image, &copy, error);

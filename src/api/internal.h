@@ -71,6 +71,8 @@ struct iso_shape_set {
     iso_rgb color;
 };
 
+/* Whether the caller names a file, which may be on a web server: ISO_ERR_USAGE. */
+iso_status iso_api_check_path(const char *path, iso_error *error);
 /* Whether the caller's mesh can be used: ISO_ERR_EMPTY, ISO_ERR_USAGE. */
 iso_status iso_api_check_mesh(const iso_mesh *mesh, iso_error *error);
 /* Reads a mesh, turned to LPS if the caller says that it is `ras`; iso_triangles_free when done. */

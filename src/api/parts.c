@@ -359,7 +359,7 @@ iso_status iso_keys_show(const iso_keys *keys, iso_image *image, iso_error *erro
 iso_status iso_keys_write(const iso_keys *keys, int part, int parts, const char *path, iso_error *error) {
     char software[64] = "isopoint ";
     iso_key_file file = keys->file;
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     if (part < 1 || part > parts || parts > ISO_KEY_PARTS)
         return iso_fail(error, ISO_ERR_USAGE, "part %d of %d: there can be 1 to %d", part, parts,
                         ISO_KEY_PARTS);

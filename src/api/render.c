@@ -618,14 +618,14 @@ iso_status iso_render(iso_surface *surface, const iso_render_opts *opts, iso_ima
 }
 
 iso_status iso_placements_read(const char *path, iso_placements *placements, iso_error *error) {
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     return iso_placements_read_file(path, NULL, placements, error);
 }
 
 /* ---- files ---- */
 
 static iso_status check_image(const iso_image *image, const char *path, iso_error *error) {
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     return image->rgba ? ISO_OK : iso_fail(error, ISO_ERR_USAGE, "%s: there is no picture to write", path);
 }
 
@@ -653,7 +653,7 @@ void iso_bytes_free(uint8_t *bytes) {
 }
 
 iso_status iso_image_read(const char *path, iso_image *image, iso_error *error) {
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     return iso_png_read(path, image, error);
 }
 
@@ -666,6 +666,6 @@ iso_status iso_aov_write(const iso_aov *aov, const char *path, iso_error *error)
 }
 
 iso_status iso_aov_read(const char *path, iso_aov *aov, iso_error *error) {
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     return iso_exr_read(path, NULL, aov, error);
 }

@@ -173,7 +173,7 @@ static iso_status open_strokes(const char *path, const char *journal, const iso_
     iso_journal_reader *reader;
     iso_sculpt *made = NULL;
     if (!opts) opts = &defaults;
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     const iso_session_opts session = {
         .journal = journal, .resume = journal != NULL, .undo_memory = opts->undo_memory};
     ISO_TRY(iso_journal_open(path, &start, &reader, error));
@@ -293,7 +293,7 @@ iso_status iso_sculpt_move(iso_sculpt *sculpt, unsigned first, unsigned last, un
 
 iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error) {
     iso_stamp *stamp;
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     const iso_source source = {.path = path, .pool = sculpt->volume.pool};
     ISO_TRY(iso_source_read_stamp(&source, &stamp, error));
     return iso_session_set_stamp(sculpt->session, stamp, error);

@@ -103,14 +103,14 @@ iso_status iso_shape_set_of_glyphs(const iso_glyph_arrays *glyphs, const iso_sha
 
 static iso_status read_lines(const char *path, const iso_read_opts *reading, iso_lines *lines,
                              iso_error *error) {
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     ISO_TRY(iso_lines_read(path, reading, lines, error));
     return lines->line_count ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "%s: holds no lines", path);
 }
 
 static iso_status read_glyphs(const char *path, const iso_read_opts *reading, iso_glyphs *glyphs,
                               iso_error *error) {
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     ISO_TRY(iso_glyphs_read(path, reading, glyphs, error));
     return glyphs->count ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "%s: holds no points", path);
 }
@@ -177,7 +177,7 @@ iso_status iso_shape_set_of_mesh(const iso_mesh *mesh, const iso_shape_set_opts 
 }
 
 iso_status iso_api_read_mesh(const char *path, bool ras, iso_triangles *triangles, iso_error *error) {
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     ISO_TRY(iso_mesh_read(path, NULL, triangles, error));
     for (size_t i = 0; i < triangles->vertex_count && ras; i++) {
         triangles->vertices[i][0] = -triangles->vertices[i][0];
@@ -227,7 +227,7 @@ static iso_status borrow_field(const iso_vector_array *from, iso_vectors *to, is
 
 static iso_status read_field(const char *path, const iso_shape_set_opts *opts, iso_vectors *field,
                              iso_error *error) {
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     const iso_vectors_opts reading = {.axes = opts->ras ? ISO_VECTOR_AXES_RAS : ISO_VECTOR_AXES_FILE};
     iso_vectors_info info;
     return iso_vectors_read(path, &reading, field, &info, error);

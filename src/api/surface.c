@@ -291,7 +291,7 @@ iso_status iso_surface_points(iso_surface *surface, iso_surface_point *points, s
 
 iso_status iso_surface_write_points(iso_surface *surface, const char *path, iso_error *error) {
     iso_point_view view;
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     ISO_TRY(update_points(surface, &view, error));
     if (iso_point_view_count(&view) == 0) return fail_empty(surface, error);
     return iso_points_write_ply(path, &view, COMMENT, error);
@@ -369,7 +369,7 @@ iso_status iso_surface_measure(iso_surface *surface, iso_mesh_measures *measures
 iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error) {
     iso_mesh_view view;
     iso_weld welded;
-    if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");
+    ISO_TRY(iso_api_check_path(path, error));
     ISO_TRY(check_volume(surface, "a mesh", error));
     ISO_TRY(iso_mesh_write_check(path, error));
     ISO_TRY(iso_api_surface_part(surface, ISO_PART_MESH, error));

@@ -40,7 +40,8 @@ static iso_volume_opts reading_of(const iso_open_opts *opts, iso_pool *pool) {
     return reading;
 }
 
-static iso_status check_path(const char *path, iso_error *error) {
+iso_status iso_api_check_path(const char *path, iso_error *error) {
+    iso_volume_use_servers();
     return path ? ISO_OK : iso_fail(error, ISO_ERR_USAGE, "no file is named");
 }
 
@@ -60,7 +61,7 @@ iso_status iso_volume_open(const char *path, const iso_open_opts *opts, iso_volu
     static const iso_open_opts defaults;
     iso_api_volume *made = NULL;
     if (!opts) opts = &defaults;
-    ISO_TRY(check_path(path, error));
+    ISO_TRY(iso_api_check_path(path, error));
     ISO_TRY(check_opts(opts, error));
     ISO_TRY(create(opts->threads, &made, error));
     const iso_volume_opts reading = reading_of(opts, made->pool);
@@ -78,7 +79,7 @@ iso_status iso_volume_inspect(const char *path, const iso_open_opts *opts, iso_v
                               iso_error *error) {
     static const iso_open_opts defaults;
     if (!opts) opts = &defaults;
-    ISO_TRY(check_path(path, error));
+    ISO_TRY(iso_api_check_path(path, error));
     ISO_TRY(check_opts(opts, error));
     const iso_volume_opts reading = reading_of(opts, NULL);
     return iso_volume_read_info(path, &reading, info, error);
@@ -237,7 +238,7 @@ iso_status iso_volume_changed(iso_volume *volume, const int lo[3], const int hi[
 
 iso_status iso_volume_write_vdb(const iso_volume *volume, const char *path, const char *name,
                                 iso_error *error) {
-    ISO_TRY(check_path(path, error));
+    ISO_TRY(iso_api_check_path(path, error));
     if (!volume->grid.hgrid)
         return iso_fail(error, ISO_ERR_USAGE, "%s: only sparse level sets are written as .vdb", path);
     return iso_level_set_write_vdb(path, volume->grid.hgrid, name ? name : "surface", NULL, error);

@@ -12,6 +12,12 @@
 
 #include "base/text.h"
 
+static _Atomic(iso_file_fetcher *) file_fetcher;
+
+void iso_file_set_fetcher(iso_file_fetcher *fetcher) {
+    file_fetcher = fetcher;
+}
+
 static iso_status fail_type(const char *path, const struct stat *info, iso_error *error) {
     return iso_fail(error, ISO_ERR_IO, "%s: not a regular file%s", path,
                     S_ISDIR(info->st_mode) ? " but a folder" : "");
@@ -22,8 +28,15 @@ static iso_status fail_type(const char *path, const struct stat *info, iso_error
  * of such a FIFO, and has no effect on regular files. */
 iso_status iso_file_descriptor(const char *path, int *descriptor, uint64_t *bytes, iso_error *error) {
     struct stat info = {0};
-    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) return fail_type(path, &info, error);
-    const int file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    char copy[ISO_FILE_PATH];
+    const char *local = path;
+    iso_file_fetcher *const fetch = iso_is_url(path) ? file_fetcher : NULL;
+    if (fetch) {
+        ISO_TRY(fetch(path, copy, error));
+        local = copy;
+    }
+    if (stat(local, &info) == 0 && !S_ISREG(info.st_mode)) return fail_type(path, &info, error);
+    const int file = open(local, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     if (file < 0 && errno != ENXIO) /* ENXIO: a socket */
         return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
     if (file >= 0 && fstat(file, &info) == 0 && S_ISREG(info.st_mode)) {

@@ -14,6 +14,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "base/status.h"
 
@@ -21,8 +22,20 @@
 extern "C" {
 #endif
 
-/* Opens a regular file for reading; *stream is the caller's (fclose), *bytes (may be NULL) its size.
- * ISO_ERR_IO: it cannot be opened, or is not a regular file. A FIFO is left unopened, because its writer
+/* Whether a path is a URL, which is read from a server. */
+static inline bool iso_is_url(const char *path) {
+    return strncmp(path, "https://", 8) == 0 || strncmp(path, "http://", 7) == 0;
+}
+
+enum { ISO_FILE_PATH = 4096 };
+/* What makes a local copy of the file that a URL names, and sets `path` to it. */
+typedef iso_status iso_file_fetcher(const char *url, char path[ISO_FILE_PATH], iso_error *error);
+/* From now on URLs can be opened as files; before, or with NULL, they are refused. Called before there are
+ * threads, or always with the same function. */
+void iso_file_set_fetcher(iso_file_fetcher *fetcher);
+
+/* Opens a regular file, or one that a URL names, for reading; *stream is the caller's (fclose), *bytes (may
+ * be NULL) its size. ISO_ERR_IO: it cannot be opened, or is not a regular file. A FIFO is left unopened, because its writer
  * would go on, and fail when it is closed; a device may never end. An input that may be a FIFO is copied to a
  * file first (apps/common/input_spool.h). */
 iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error);

@@ -70,7 +70,12 @@ void iso_file_type_extension(iso_file_type type, char extension[ISO_FILE_EXTENSI
 }
 
 iso_file_type iso_file_type_of_name(const char *path, unsigned holds) {
-    char extension[ISO_FILE_EXTENSION];
+    char extension[ISO_FILE_EXTENSION], name[ISO_FILE_PATH];
+    const size_t query = iso_is_url(path) ? strcspn(path, "?#") : 0; /* behind the name of a URL's file */
+    if (query && path[query]) {
+        snprintf(name, sizeof name, "%.*s", (int)query, path);
+        path = name;
+    }
     for (int type = 0; type < ISO_FILE_TYPES; type++) {
         const char *at = ROWS_OF_TYPES[type].extensions;
         if (!(ROWS_OF_TYPES[type].holds & holds)) continue;

@@ -450,7 +450,7 @@ static iso_status open_source(const iso_source *source, iso_journal_start *start
                               iso_error *error) {
     memset(start, 0, sizeof *start);
     if (source->paint) *source->paint = (iso_cell_items){.cell = NULL};
-    char *path = realpath(source->path, NULL);
+    char *path = iso_is_url(source->path) ? strdup(source->path) : realpath(source->path, NULL);
     if (!path) return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", source->path, strerror(errno));
     const int length = snprintf(start->source, sizeof start->source, "%s", path);
     free(path);

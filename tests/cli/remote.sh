@@ -1,6 +1,6 @@
 # Zarr and OME-Zarr on a web server give the picture of the same folder, also where the server is slow or busy or breaks off; what
-# was read is kept, and read again only if it has changed; of an image of 1.1 TB little is asked, and nothing beside it. A single file is
-# copied, and gives the picture of the file.
+# was read is kept, and read again only if it has changed; of an image of 1.1 TB little is asked, and nothing beside it. Single files of
+# every kind are copied to the same cache, and give the picture of the file.
 isorender http://127.0.0.1:9/x.zarr --info 2>&1 | grep -q 'not installed' && { echo "built without libcurl"; exit 77; }
 cat >in/make.py <<'P'
 import json, math, os
@@ -109,7 +109,7 @@ for behaviour in busy short wait=.05; do
     url=http://127.0.0.1:$(cat web.port)
     same image.zarr
     same start.zarr
-    [ $behaviour = short ] || same v.nrrd
+    same v.nrrd
 done
 
 # an image of 1.1 TB: the level that fits, and no more
@@ -130,22 +130,53 @@ ISO_REMOTE_CACHE=0 isorender "$url/image.zarr" c.png --isovalue 120 --resolution
 ISO_REMOTE_CACHE=1 isorender "$url/huge" c.png --isovalue 128 --level 6 --resolution 80x80 --quiet
 [ "$(du -sk kept | cut -f1)" -le 1100 ]
 
-# single files
-points() { isorender "$1/cloud.ply" "$2" --resolution 80x80 --quiet --json="$2.json"; }
+# single files: asked for once, and again only whether they have changed
+same v.nrrd
+[ "$(cat web.log)" = "/v.nrrd 200 $(stat -c %s in/v.nrrd)" ]
+same v.nrrd
+[ "$(cat web.log)" = "/v.nrrd 304 0" ]
+printf '\377' | dd of=in/v.nrrd bs=1 seek=200000 conv=notrunc status=none
+same v.nrrd
+[ "$(cat web.log)" = "/v.nrrd 200 $(stat -c %s in/v.nrrd)" ]
+truncate -s -5 kept/isopoint/remote/*-v.nrrd # a copy that is not whole
 same v.nrrd
 [ "$(cat web.log)" = "/v.nrrd 200 $(stat -c %s in/v.nrrd)" ]
 same v.raw --raw 110x110x110:uint8
-points in a.png
-points "$url" b.png
-python3 -c 'from check import *
-expect(report("a.png.json")["image"]["hash"] == report("b.png.json")["image"]["hash"], "points")'
+same v.nrrd --chunk-size 20
 isorender "$url/v.nrrd" --info | grep -q "voxels      110 x 110 x 110, uint8"
+# same_picture NAME [ARGUMENT..]: @ stands for the folder, and for the server
+same_picture() {
+    isorender "${@//@/in}" a.png --resolution 80x80 --quiet --json=a.json
+    isorender "${@//@/$url}" b.png --resolution 80x80 --quiet --json=b.json
+    python3 -c 'from check import *
+expect(report("a.json")["image"]["hash"] == report("b.json")["image"]["hash"], sys.argv)' "$@"
+}
+isorender scene:torus:24 --no-image --mesh in/torus.glb --quiet
+isorender scene:torus:24 --no-image --mesh in/torus.stl --quiet
+gzip -k in/v.nrrd
+printf 'x,y,z,r\n0,0,0,1\n3,1,0,2\n' >in/balls.csv
+same_picture @/cloud.ply
+same_picture @/v.nrrd --isovalue 120 --volume @/v.nrrd
+same_picture @/v.nrrd --isovalue 120 --surface-color-by @/v.nrrd
+same_picture --surface @/torus.glb
+same_picture --surface @/torus.stl
+same_picture --glyphs @/balls.csv
+same_picture @/v.nrrd --isovalue 120 --clip x --cap slice
+isocompare surfaces "$url/torus.stl" in/torus.glb --quiet --json=c.json
+for place in in "$url"; do
+    isosculpt --headless --open "$place/v.nrrd" --isovalue 120 --mesh "$(basename "$place").ply" --quiet
+done
+cmp in.ply "$(basename "$url").ply"
+isorender "$url/v.nrrd?token=1" q.png --isovalue 120 --resolution 80x80 --quiet
+
 isorender_refuses 3 "$url/w.nrrd?token=1: cannot be read: the server answers 404" "$url/w.nrrd?token=1"
-isorender_refuses 3 "$url/page.nrrd: its first bytes are not those of a volume that can be read: copy it here (curl -O)" "$url/page.nrrd"
-isorender_refuses 3 "$url/v.nrrd: of what is on servers, only Zarr and N5 are read here" in/v.nrrd --isovalue 120 --volume "$url/v.nrrd"
+isorender_refuses 3 "$url/w.stl: cannot be read: the server answers 404" --surface "$url/w.stl"
+isorender_refuses 3 "$url/page.nrrd: not an NRRD file" "$url/page.nrrd"
+ISO_REMOTE_CACHE=0 isorender_refuses 3 "files of servers are copied to a cache, which there is none of" "$url/v.nrrd" --isovalue 120
 
 isorender_refuses 3 "$url/none: holds no" "$url/none"
 echo broken >in/.behaviour
+rm -rf kept
 isorender_refuses 3 "$url/image.zarr/.zattrs: cannot be read: " "$url/image.zarr"
 isorender_refuses 3 "$url/v.nrrd: cannot be read: " "$url/v.nrrd" --isovalue 120
 echo parts=no >in/.behaviour

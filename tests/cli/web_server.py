@@ -65,7 +65,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         for word in words:
             if word.startswith("wait="):
                 time.sleep(float(word[5:]))
-        path = os.path.join(folder, self.path.lstrip("/"))
+        path = os.path.join(folder, self.path.split("?")[0].lstrip("/"))
         with lock:
             again = self.path in met
             met.add(self.path)

@@ -1,11 +1,14 @@
 /* Reads bytes from servers by libcurl (a module). Connections are kept for the next requests. */
 #include <curl/curl.h>
+#include <errno.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <strings.h>
 #include <time.h>
+#include <unistd.h>
 
+#include "base/file.h"
 #include "grids/volume/module.h"
 #include "grids/volume/remote/remote.h"
 
@@ -16,7 +19,7 @@ typedef struct request {
     const char *url;
     const iso_remote_part *part;
     iso_buffer *bytes;
-    FILE *stream; /* instead of `bytes` and `part` */
+    FILE *stream; /* instead of `bytes` */
     size_t count;
     char mark[256]; /* the ETag of the reply */
     bool too_long, out_of_memory, stream_failed;
@@ -56,16 +59,14 @@ static void give_handle(CURL *handle) {
 static size_t take_bytes(char *bytes, size_t one, size_t count, void *context) {
     request *r = context;
     (void)one;
-    if (r->stream) {
-        r->stream_failed = fwrite(bytes, 1, count, r->stream) != count;
-        r->count += count;
-        return r->stream_failed ? 0 : count;
-    }
     r->too_long = count > r->part->size - r->count;
-    r->out_of_memory =
-        !r->too_long && iso_buffer_reserve(r->bytes, r->count + count + 1, r->count, NULL) != ISO_OK;
-    if (r->too_long || r->out_of_memory) return 0; /* ends the transfer */
-    memcpy((char *)r->bytes->data + r->count, bytes, count);
+    if (r->stream) {
+        r->stream_failed = !r->too_long && fwrite(bytes, 1, count, r->stream) != count;
+    } else if (!r->too_long) {
+        r->out_of_memory = iso_buffer_reserve(r->bytes, r->count + count + 1, r->count, NULL) != ISO_OK;
+        if (!r->out_of_memory) memcpy((char *)r->bytes->data + r->count, bytes, count);
+    }
+    if (r->too_long || r->out_of_memory || r->stream_failed) return 0; /* ends the transfer */
     r->count += count;
     return count;
 }
@@ -93,7 +94,9 @@ static CURLcode perform(CURL *handle, request *r, const char *kept_mark, long *c
     struct curl_slist *headers = NULL;
     r->count = 0;
     *r->mark = 0;
-    r->too_long = r->out_of_memory = false;
+    r->too_long = r->out_of_memory = r->stream_failed = false;
+    if (r->stream && (fflush(r->stream) || ftruncate(fileno(r->stream), 0))) clearerr(r->stream);
+    if (r->stream) rewind(r->stream);
     *code = 0;
     if (*kept_mark) {
         snprintf(condition, sizeof condition, "If-None-Match: %s", kept_mark);
@@ -116,7 +119,7 @@ static CURLcode perform(CURL *handle, request *r, const char *kept_mark, long *c
     curl_easy_setopt(handle, CURLOPT_WRITEDATA, r);
     curl_easy_setopt(handle, CURLOPT_HEADERFUNCTION, take_header);
     curl_easy_setopt(handle, CURLOPT_HEADERDATA, r);
-    const bool in_parts = r->part && r->part->what >= ISO_REMOTE_BYTES;
+    const bool in_parts = r->part->what >= ISO_REMOTE_BYTES;
     if (in_parts && r->part->what == ISO_REMOTE_BYTES)
         snprintf(range, sizeof range, "%llu-%llu", (unsigned long long)r->part->offset,
                  (unsigned long long)(r->part->offset + r->part->size - 1));
@@ -139,7 +142,7 @@ static bool may_succeed(CURLcode result, long code) {
 /* What went wrong, if anything. */
 static iso_status judge(const request *r, CURLcode result, long code, iso_error *error) {
     if (r->out_of_memory) return iso_fail_memory(error, r->url);
-    const bool in_parts = r->part && r->part->what >= ISO_REMOTE_BYTES;
+    const bool in_parts = r->part->what >= ISO_REMOTE_BYTES;
     if (in_parts && code == 200)
         return iso_fail(error, ISO_ERR_IO, "%s: its server does not send parts of files: copy it here",
                         r->url);
@@ -156,14 +159,14 @@ static iso_status judge(const request *r, CURLcode result, long code, iso_error 
     return ISO_OK;
 }
 
-/* Makes a request, again if that may help; what has gone to a stream cannot come again. */
+/* Makes a request, again if that may help. */
 static CURLcode ask(CURL *handle, request *r, const char *kept_mark, long *code) {
     CURLcode result = CURLE_OK;
     for (int i = 0; i < TRIES; i++) {
         const struct timespec pause = {i > 2, i > 2 ? 0 : 125000000L << i}; /* .25, .5 and 1 s */
         if (i > 0) nanosleep(&pause, NULL);
         result = perform(handle, r, kept_mark, code);
-        if (!may_succeed(result, *code) || (r->stream && r->count > 0)) break;
+        if (!may_succeed(result, *code)) break;
     }
     return result;
 }
@@ -196,19 +199,84 @@ static iso_status remote_read(const char *url, const iso_remote_part *part, iso_
     return status;
 }
 
-static iso_status remote_copy(const char *url, FILE *stream, iso_error *error) {
-    request r = {.url = url, .stream = stream};
+/* ---- whole files */
+
+enum { ASKED = 16, SECONDS_FRESH = 10 };
+
+/* The files that this process has asked for last, by the paths of their copies. Readers open a file several
+ * times. */
+static struct {
+    pthread_mutex_t lock;
+    struct {
+        char path[PATH_MAX];
+        time_t when;
+    } files[ASKED];
+    int next;
+} asked = {.lock = PTHREAD_MUTEX_INITIALIZER};
+
+static time_t seconds_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return now.tv_sec;
+}
+
+static bool was_asked(const char *path) {
+    bool was = false;
+    pthread_mutex_lock(&asked.lock);
+    for (int i = 0; i < ASKED && !was; i++)
+        was = strcmp(asked.files[i].path, path) == 0 && seconds_now() - asked.files[i].when < SECONDS_FRESH;
+    pthread_mutex_unlock(&asked.lock);
+    return was;
+}
+
+static void note_asked(const char *path) {
+    pthread_mutex_lock(&asked.lock);
+    snprintf(asked.files[asked.next].path, PATH_MAX, "%s", path);
+    asked.files[asked.next].when = seconds_now();
+    asked.next = (asked.next + 1) % ASKED;
+    pthread_mutex_unlock(&asked.lock);
+}
+
+/* Asks for a file, which comes into `sink`, unless it is the copy. */
+static iso_status ask_for_file(const char *url, uint64_t most, const iso_remote_copy *copy, iso_sink *sink,
+                               iso_error *error) {
+    const iso_remote_part part = {.what = ISO_REMOTE_WHOLE, .size = most};
+    request r = {.url = url, .part = &part, .stream = sink->stream};
     long code;
     CURL *handle = take_handle();
     if (!handle) return iso_fail_memory(error, url);
-    const CURLcode result = ask(handle, &r, "", &code);
+    const CURLcode result = ask(handle, &r, copy->mark, &code);
     give_handle(handle);
-    if (r.stream_failed || (result == CURLE_OK && fflush(stream) != 0))
-        return iso_fail(error, ISO_ERR_WRITE, "%s: cannot be copied", url);
-    return judge(&r, result, code, error);
+    if (result == CURLE_OK && code == 304) return ISO_OK;
+    if (r.stream_failed)
+        return iso_fail(error, ISO_ERR_WRITE, "%s: cannot be copied to %s: %s", url, copy->path,
+                        strerror(errno));
+    ISO_TRY(judge(&r, result, code, error));
+    ISO_TRY(iso_sink_commit(sink, error));
+    iso_remote_copy_keep(url, copy, r.mark);
+    return ISO_OK;
 }
 
-static const iso_remote remote = {remote_read, remote_copy};
+static iso_status remote_fetch(const char *url, uint64_t most, char path[PATH_MAX], iso_error *error) {
+    iso_remote_copy copy;
+    iso_sink sink = {0};
+    if (!iso_remote_copy_find(url, &copy))
+        return iso_fail(error, ISO_ERR_IO,
+                        "%s: files of servers are copied to a cache, which there is none of (XDG_CACHE_HOME, "
+                        "ISO_REMOTE_CACHE): copy it here (curl -O)",
+                        url);
+    if (!copy.is_there || !was_asked(copy.path)) {
+        ISO_TRY(iso_sink_open(copy.path, &sink, error));
+        const iso_status status = ask_for_file(url, most, &copy, &sink, error);
+        iso_sink_abort(&sink);
+        ISO_TRY(status);
+        note_asked(copy.path);
+    }
+    memcpy(path, copy.path, sizeof copy.path);
+    return ISO_OK;
+}
+
+static const iso_remote remote = {remote_read, remote_fetch};
 
 ISO_MODULE_EXTERN const iso_module iso_module_table;
 const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, NULL, NULL, NULL, NULL, NULL, &remote};

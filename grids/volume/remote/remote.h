@@ -5,16 +5,11 @@
 #ifndef ISO_GRIDS_VOLUME_REMOTE_REMOTE_H
 #define ISO_GRIDS_VOLUME_REMOTE_REMOTE_H
 
+#include <limits.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "base/memory.h"
 #include "base/status.h"
-
-/* Whether a path is a URL that is read from a server. */
-static inline bool iso_is_url(const char *path) {
-    return strncmp(path, "https://", 8) == 0 || strncmp(path, "http://", 7) == 0;
-}
 
 /* What is wanted of a file. */
 typedef struct iso_remote_part {
@@ -33,9 +28,12 @@ typedef struct iso_remote {
      * ISO_ERR_NOMEM. */
     iso_status (*read)(const char *url, const iso_remote_part *part, iso_buffer *bytes, size_t *count,
                        bool *absent, iso_error *error);
-    /* Writes a whole file to `stream` as it comes. Asks again as long as nothing has come. ISO_ERR_IO: no
-     * server, its refusal, or it broke off; ISO_ERR_WRITE: the stream failed. */
-    iso_status (*copy)(const char *url, FILE *stream, iso_error *error);
+    /* Copies a whole file of at most `most` bytes into the cache, if it is not there or has changed, and sets
+     * `path` to the copy, whose name ends as the URL does. Within some seconds the server is not asked again
+     * by the same process. A file that is larger than the cache is kept until something else is. For several
+     * threads at once. ISO_ERR_IO: no server, its refusal, it broke off, or there is no cache; ISO_ERR_LIMIT;
+     * ISO_ERR_WRITE: no room. */
+    iso_status (*fetch)(const char *url, uint64_t most, char path[PATH_MAX], iso_error *error);
 } iso_remote;
 
 /* The cache (remote/cache.c). An entry is a file with the server's mark of what it has sent, its ETag. */
@@ -47,7 +45,19 @@ typedef struct iso_remote_entry {
 
 /* Finds what is kept of a part of a file; the buffer is the caller's. */
 void iso_remote_cache_find(const char *url, const iso_remote_part *part, iso_remote_entry *entry);
-/* Keeps it, if it can, and removes what was kept longest ago beyond the cache's size. */
+/* Keeps it, if it can, and removes what was used longest ago beyond the cache's size. */
 void iso_remote_cache_keep(const char *url, const iso_remote_part *part, const iso_remote_entry *entry);
+
+/* The copy of a whole file in the cache. Beside it lies a file that states its URL, mark and size. */
+typedef struct iso_remote_copy {
+    char path[PATH_MAX];
+    bool is_there;
+    char mark[256]; /* of the copy; empty: only the server can say whether it is the same file */
+} iso_remote_copy;
+
+/* Finds where the copy of a file is, or is to be written, and marks it as used. False: there is no cache. */
+bool iso_remote_copy_find(const char *url, iso_remote_copy *copy);
+/* Says that the copy is there, whole and of this mark, and bounds the cache. */
+void iso_remote_copy_keep(const char *url, const iso_remote_copy *copy, const char *mark);
 
 #endif
