@@ -88,6 +88,7 @@ expect(a["image"]["hash"] == b["image"]["hash"], sys.argv)' "$@"
 same image.zarr
 [ "$(asked 200)" -eq 26 ]
 ! grep -v '^/image.zarr/' web.log
+[ -z "$(cut -d' ' -f1 web.log | sort | uniq -d)" ] # nothing is asked twice
 same image.zarr # again: nothing has changed
 [ "$(asked 304)" -eq 26 ] && [ "$(asked 200)" -eq 0 ]
 same image.zarr --level 1

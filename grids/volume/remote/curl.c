@@ -171,17 +171,78 @@ static CURLcode ask(CURL *handle, request *r, const char *kept_mark, long *code)
     return result;
 }
 
+/* ---- what servers have just said: readers ask for metadata, and open files, several times */
+
+enum { SAID = 64, SECONDS_FRESH = 10 };
+
+/* A reply of the last seconds. */
+typedef struct reply {
+    char *url;    /* owned; NULL: none */
+    bool is_file; /* whose copy is in the cache as the server has it; else metadata: */
+    bool absent;
+    char *bytes; /* owned */
+    size_t count;
+    time_t when;
+} reply;
+
+static pthread_mutex_t said_lock = PTHREAD_MUTEX_INITIALIZER;
+static reply said[SAID];
+
+static time_t seconds_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return now.tv_sec;
+}
+
+/* Whether a server has just said what is asked; of metadata it is copied. */
+static bool was_said(const char *url, bool is_file, iso_buffer *bytes, size_t *count, bool *absent) {
+    bool was = false;
+    pthread_mutex_lock(&said_lock);
+    for (const reply *r = said; r < said + SAID && !was; r++) {
+        if (!r->url || r->is_file != is_file || strcmp(r->url, url) != 0 ||
+            seconds_now() - r->when >= SECONDS_FRESH)
+            continue;
+        was = is_file || iso_buffer_reserve(bytes, r->count + 1, 0, NULL) == ISO_OK;
+        if (is_file || !was) continue;
+        if (r->count) memcpy(bytes->data, r->bytes, r->count);
+        *count = r->count;
+        *absent = r->absent;
+    }
+    pthread_mutex_unlock(&said_lock);
+    return was;
+}
+
+/* Keeps a reply in the place of the oldest one; or does not, where there is no memory. */
+static void keep_reply(const char *url, bool is_file, const void *bytes, size_t count, bool absent) {
+    reply made = {strdup(url), is_file, absent, malloc(count + 1), count, seconds_now()};
+    if (made.bytes && count) memcpy(made.bytes, bytes, count);
+    pthread_mutex_lock(&said_lock);
+    reply *oldest = said;
+    for (reply *r = said; r < said + SAID; r++)
+        if (!r->url || (oldest->url && r->when < oldest->when)) oldest = r;
+    if (made.url && made.bytes) {
+        const reply before = *oldest;
+        *oldest = made;
+        made = before;
+    }
+    pthread_mutex_unlock(&said_lock);
+    free(made.url);
+    free(made.bytes);
+}
+
 static iso_status remote_read(const char *url, const iso_remote_part *part, iso_buffer *bytes, size_t *count,
                               bool *absent, iso_error *error) {
     iso_remote_entry kept = {.count = 0};
     request r = {.url = url, .part = part, .bytes = bytes};
+    const bool is_metadata = part->what == ISO_REMOTE_METADATA;
     long code;
+    if (is_metadata && was_said(url, false, bytes, count, absent)) return ISO_OK;
     CURL *handle = take_handle();
     if (!handle) return iso_fail_memory(error, url);
-    if (part->what != ISO_REMOTE_METADATA) iso_remote_cache_find(url, part, &kept);
+    if (!is_metadata) iso_remote_cache_find(url, part, &kept);
     const CURLcode result = ask(handle, &r, kept.mark, &code);
     give_handle(handle);
-    *absent = code == 404 || code == 410 || (code == 403 && part->what == ISO_REMOTE_METADATA);
+    *absent = code == 404 || code == 410 || (code == 403 && is_metadata);
     const iso_status status = *absent || code == 304 ? ISO_OK : judge(&r, result, code, error);
     *count = r.count;
     if (status == ISO_OK && code == 304) { /* as it is in the cache */
@@ -191,7 +252,9 @@ static iso_status remote_read(const char *url, const iso_remote_part *part, iso_
         return ISO_OK;
     }
     iso_buffer_free(&kept.bytes);
-    if (status == ISO_OK && !*absent && part->what != ISO_REMOTE_METADATA) {
+    if (status == ISO_OK && is_metadata) {
+        keep_reply(url, false, bytes->data, *absent ? 0 : r.count, *absent);
+    } else if (status == ISO_OK && !*absent) {
         iso_remote_entry made = {.bytes = *bytes, .count = r.count};
         memcpy(made.mark, r.mark, sizeof made.mark);
         iso_remote_cache_keep(url, part, &made);
@@ -200,42 +263,6 @@ static iso_status remote_read(const char *url, const iso_remote_part *part, iso_
 }
 
 /* ---- whole files */
-
-enum { ASKED = 16, SECONDS_FRESH = 10 };
-
-/* The files that this process has asked for last, by the paths of their copies. Readers open a file several
- * times. */
-static struct {
-    pthread_mutex_t lock;
-    struct {
-        char path[PATH_MAX];
-        time_t when;
-    } files[ASKED];
-    int next;
-} asked = {.lock = PTHREAD_MUTEX_INITIALIZER};
-
-static time_t seconds_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return now.tv_sec;
-}
-
-static bool was_asked(const char *path) {
-    bool was = false;
-    pthread_mutex_lock(&asked.lock);
-    for (int i = 0; i < ASKED && !was; i++)
-        was = strcmp(asked.files[i].path, path) == 0 && seconds_now() - asked.files[i].when < SECONDS_FRESH;
-    pthread_mutex_unlock(&asked.lock);
-    return was;
-}
-
-static void note_asked(const char *path) {
-    pthread_mutex_lock(&asked.lock);
-    snprintf(asked.files[asked.next].path, PATH_MAX, "%s", path);
-    asked.files[asked.next].when = seconds_now();
-    asked.next = (asked.next + 1) % ASKED;
-    pthread_mutex_unlock(&asked.lock);
-}
 
 /* Asks for a file, which comes into `sink`, unless it is the copy. */
 static iso_status ask_for_file(const char *url, uint64_t most, const iso_remote_copy *copy, iso_sink *sink,
@@ -265,12 +292,12 @@ static iso_status remote_fetch(const char *url, uint64_t most, char path[PATH_MA
                         "%s: files of servers are copied to a cache, which there is none of (XDG_CACHE_HOME, "
                         "ISO_REMOTE_CACHE): copy it here (curl -O)",
                         url);
-    if (!copy.is_there || !was_asked(copy.path)) {
+    if (!copy.is_there || !was_said(url, true, NULL, NULL, NULL)) {
         ISO_TRY(iso_sink_open(copy.path, &sink, error));
         const iso_status status = ask_for_file(url, most, &copy, &sink, error);
         iso_sink_abort(&sink);
         ISO_TRY(status);
-        note_asked(copy.path);
+        keep_reply(url, true, NULL, 0, false);
     }
     memcpy(path, copy.path, sizeof copy.path);
     return ISO_OK;

@@ -22,17 +22,17 @@ typedef struct iso_remote {
     /* Reads a file, or a part of it, into `bytes`, the caller's; *count: how many there are. *absent, without
      * an error: the server has no such file; of metadata also: it may not be read. What is no metadata is
      * kept in a cache, $XDG_CACHE_HOME/isopoint/remote (~/.cache), of at most ISO_REMOTE_CACHE megabytes
-     * (1000; 0: none), and is taken from there if the server says that it has not changed. Waits for a
-     * server that is busy, and asks again where a connection breaks, four times. For several threads at
-     * once. ISO_ERR_IO: no server, its refusal, a short reply; ISO_ERR_LIMIT: more bytes than part->size;
-     * ISO_ERR_NOMEM. */
+     * (1000; 0: none), and is taken from there if the server says that it has not changed; of metadata a
+     * process takes what the server has said within some seconds. Waits for a server that is busy, and asks
+     * again where a connection breaks, four times. For several threads at once. ISO_ERR_IO: no server, its
+     * refusal, a short reply; ISO_ERR_LIMIT: more bytes than part->size; ISO_ERR_NOMEM. */
     iso_status (*read)(const char *url, const iso_remote_part *part, iso_buffer *bytes, size_t *count,
                        bool *absent, iso_error *error);
     /* Copies a whole file of at most `most` bytes into the cache, if it is not there or has changed, and sets
-     * `path` to the copy, whose name ends as the URL does. Within some seconds the server is not asked again
-     * by the same process. A file that is larger than the cache is kept until something else is. For several
-     * threads at once. ISO_ERR_IO: no server, its refusal, it broke off, or there is no cache; ISO_ERR_LIMIT;
-     * ISO_ERR_WRITE: no room. */
+     * `path` to the copy, whose name ends as the URL does. Within some seconds a process does not ask again.
+     * A file that is larger than the cache is kept until something else is. For several threads at once.
+     * ISO_ERR_IO: no server, its refusal, it broke off, or there is no cache; ISO_ERR_LIMIT; ISO_ERR_WRITE:
+     * no room. */
     iso_status (*fetch)(const char *url, uint64_t most, char path[PATH_MAX], iso_error *error);
 } iso_remote;
 
