@@ -38,10 +38,10 @@ typedef struct iso_spool_opts {
 /* Whether an input is a FIFO or standard input ("-"), which can be read once. */
 bool iso_spool_is_stream(const char *path);
 
-/* Copies `path`, for which iso_spool_is_stream is true; waits for its writer. ISO_ERR_IO (it cannot be read, or
- * is empty), ISO_ERR_FORMAT (no volume), ISO_ERR_LIMIT (header or input exceed the memory limit),
- * ISO_ERR_WRITE (no room in TMPDIR, which the message names;
- * other messages name the input). iso_spool_close, also after an error. */
+/* Copies `path`, for which iso_spool_is_stream is true; waits for its writer. ISO_ERR_IO (it cannot be read,
+ * or is empty), ISO_ERR_FORMAT (no volume), ISO_ERR_LIMIT (header or input exceed the memory limit),
+ * ISO_ERR_WRITE (no room in TMPDIR, which the message names; other messages name the input). iso_spool_close,
+ * also after an error. */
 iso_status iso_spool_open(const char *path, const iso_spool_opts *opts, iso_spool *spool, iso_error *error);
 
 /* Removes the copy. Safe on a zeroed spool. */

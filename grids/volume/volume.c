@@ -270,8 +270,8 @@ static iso_status load_remote(const char *url, const iso_module **module, iso_er
     return iso_module_load(url, "remote", "URL", module, error);
 }
 
-/* Whether a URL names a file, by how its name ends; else it is a folder's, of Zarr or N5, which is not copied.
- */
+/* Whether a URL names a file, by how its name ends; else it is a folder's, of Zarr or N5, which is not
+ * copied. */
 static bool is_remote_file(const char *url) {
     return iso_file_type_of_name(url, ~0u) != ISO_FILE_UNKNOWN;
 }

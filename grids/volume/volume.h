@@ -147,8 +147,8 @@ iso_status iso_volume_read_info(const char *path, const iso_volume_opts *opts, i
  * not recognised, as raw files and formats that only the name tells. */
 const char *iso_volume_format(const void *bytes, size_t count);
 
-/* From now on files that are opened may be on web servers (iso_file_set_fetcher): they are copied to the cache
- * (remote/remote.h). Volumes are read from there without this. */
+/* From now on files that are opened may be on web servers (iso_file_set_fetcher): they are copied to the
+ * cache (remote/remote.h). Volumes are read from there without this. */
 void iso_volume_use_servers(void);
 
 /* Whether files of this format need not hold all voxels: those in tiles that are absent have one value. */
