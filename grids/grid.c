@@ -141,20 +141,44 @@ static const float *shared_brick(const iso_hgrid *grid, const interpolation_cell
     return brick < 0 ? NULL : iso_hgrid_brick(grid, brick);
 }
 
-double iso_grid_sample(const iso_grid *grid, iso_vec3 p) {
-    interpolation_cell c = cell_around(grid, p);
-    double v[8];
-    const float *brick = grid->hgrid ? shared_brick(grid->hgrid, &c) : NULL;
+/* Reads the values of a cell's corners; false: one is not finite. */
+static inline bool read_corners(const iso_grid *grid, const interpolation_cell *c, double v[8]) {
+    const float *brick = grid->hgrid ? shared_brick(grid->hgrid, c) : NULL;
     for (int corner = 0; corner < 8; corner++) {
-        int x = corner & 1 ? c.hi[0] : c.lo[0], y = corner & 2 ? c.hi[1] : c.lo[1];
-        int z = corner & 4 ? c.hi[2] : c.lo[2];
+        int x = corner & 1 ? c->hi[0] : c->lo[0], y = corner & 2 ? c->hi[1] : c->lo[1];
+        int z = corner & 4 ? c->hi[2] : c->lo[2];
         if (brick)
             v[corner] = brick[((z % ISO_BRICK) * ISO_BRICK + y % ISO_BRICK) * ISO_BRICK + x % ISO_BRICK];
         else
             v[corner] = value_at(grid, x, y, z);
-        if (!isfinite(v[corner])) return NAN;
+        if (!isfinite(v[corner])) return false;
     }
-    return blend_corners(v, c.fraction);
+    return true;
+}
+
+double iso_grid_sample(const iso_grid *grid, iso_vec3 p) {
+    const interpolation_cell c = cell_around(grid, p);
+    double v[8];
+    return read_corners(grid, &c, v) ? blend_corners(v, c.fraction) : NAN;
+}
+
+double iso_grid_sample_slope(const iso_grid *grid, iso_vec3 p, iso_vec3 *slope) {
+    const interpolation_cell c = cell_around(grid, p);
+    const double *t = c.fraction;
+    double v[8], along[3];
+    if (!read_corners(grid, &c, v)) return NAN;
+    for (int axis = 0; axis < 3; axis++) {
+        const int step = 1 << axis, a = (axis + 1) % 3, b = (axis + 2) % 3;
+        double difference[4];
+        for (int k = 0; k < 4; k++) {
+            const int corner = (k & 1) << a | (k >> 1) << b;
+            difference[k] = v[corner | step] - v[corner];
+        }
+        along[axis] =
+            blend(blend(difference[0], difference[1], t[a]), blend(difference[2], difference[3], t[a]), t[b]);
+    }
+    *slope = iso_vec3_make(along[0], along[1], along[2]);
+    return blend_corners(v, t);
 }
 
 /* Returns the derivative along one axis from the values of a voxel and its neighbours; has_low and has_high:

@@ -58,6 +58,10 @@ int iso_grid_brick_may_cross(const iso_grid *grid, const int brick[3], float iso
  * value. NaN: a corner is not finite. */
 double iso_grid_sample(const iso_grid *grid, iso_vec3 p);
 
+/* The same, and how the interpolation changes along each axis there, stored values a voxel; 0 along an axis
+ * with one voxel. */
+double iso_grid_sample_slope(const iso_grid *grid, iso_vec3 p, iso_vec3 *slope);
+
 /* Returns the gradient at a voxel inside the grid, in stored values per voxel: central differences, one-sided
  * at the border, 0 along an axis of one voxel. Neighbours that are not finite count as missing. */
 iso_vec3 iso_grid_voxel_gradient(const iso_grid *grid, int x, int y, int z);

@@ -28,6 +28,11 @@ static bool exports(const isorender_job *job) {
     return job->plan->points || job->plan->mesh;
 }
 
+/* Whether the surface is not drawn, but slices of its volume. */
+static bool shows_slices_alone(const isorender_settings *settings) {
+    return settings->slice_count && settings->opacity_count == 1 && settings->opacities[0] == 0;
+}
+
 /* The first option that chunks do not allow, and why; NULL: there is none. */
 static const char *find_obstacle(const isorender_job *job, const char **reason) {
     const isorender_settings *settings = job->settings;
@@ -40,7 +45,8 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
          "only exact and pullpush decide pixels by an order that is known beforehand"},
         {settings->primitive != ISO_PRIMITIVE_AUTO && settings->primitive != ISO_PRIMITIVE_EDGE,
          "--primitive", "only edge points are made chunk by chunk"},
-        {isorender_is_translucent(settings), "--opacity", "the layers of a pixel are blended in order"},
+        {isorender_is_translucent(settings) && !shows_slices_alone(settings), "--opacity",
+         "the layers of a pixel are blended in order"},
         {settings->filter != ISO_FILTER_LINEAR, "--reconstruction-filter", "it samples the whole surface"},
         {settings->ior > 0, "--ior", "rays pass through the whole solid"},
         {settings->isovalue_count > 1, "--isovalue", "one surface is drawn at a time"},
@@ -50,7 +56,6 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
         {settings->object_options.count > 0, "--lines, --glyphs or --surface",
          "one surface is drawn at a time"},
         {settings->aov != NULL, "--aov", "a pixel's key is its colour"},
-        {settings->slice_count > 0, "--slice", "outlines need voxels beside those of a chunk"},
         {isorender_light_option(settings) != NULL, isorender_light_option(settings),
          "it needs depths and normals of the whole picture"},
         {exports(job) && (settings->parts || settings->ranks.mpi), "--points or --mesh",
@@ -398,7 +403,8 @@ static iso_status draw_cells(isorender_job *job, const iso_view *view, iso_key_i
                                            job->surfaces[0].scene.clip};
     const iso_chunk_share share = share_of(job->settings, true);
     ISO_TRY(iso_key_image_allocate(view->width, view->height * plane_count(job), keys, error));
-    ISO_TRY(iso_exact_chunks_draw(job->chunks->walk, share, &picture, error));
+    if (!shows_slices_alone(job->settings))
+        ISO_TRY(iso_exact_chunks_draw(job->chunks->walk, share, &picture, error));
     if (!isorender_has_caps(job->settings)) return ISO_OK;
     iso_capped solids[ISORENDER_SURFACES];
     const iso_cut_caps caps = isorender_caps(job, solids);

@@ -1,12 +1,8 @@
-/* cap_chunks: chunks that a clip cuts and that have something of the solid, whether or not the surface
- * crosses them. */
+/* cap_chunks: chunks that a slice passes, or that a clip cuts and that have something of the solid, whether
+ * or not the surface crosses them. */
 #include "scene/cap_chunks.h"
 
-#include "scene/caps_kernel.h"
-
-/* Caps of neighbouring chunks overlap by this much, voxels: a place that rounding moves across their border
- * is found in both. */
-static const double OVERLAP = 1e-6;
+#include <math.h>
 
 typedef struct caps_visit {
     const iso_cut_caps *caps;
@@ -27,22 +23,37 @@ static void find_cells(const iso_grid_chunk *chunk, double low[3], double high[3
     }
 }
 
-/* iso_chunk_chooser: whether some of the chunk is in the solid, and something cuts it. */
+/* Whether a slice passes a box, which is given by its centre and its half sides. */
+static bool is_sliced(const iso_cut_caps *caps, iso_vec3 centre, const iso_vec3 half[3]) {
+    for (int i = 0; i < caps->slice_count; i++) {
+        const double *plane = caps->slices[i].plane;
+        const iso_vec3 normal = {plane[0], plane[1], plane[2]};
+        double reach = 0;
+        for (int k = 0; k < 3; k++) reach += fabs(iso_vec3_dot(normal, half[k]));
+        if (fabs(iso_vec3_dot(normal, centre) - plane[3]) <= reach) return true;
+    }
+    return false;
+}
+
+/* iso_chunk_chooser: whether a slice passes the chunk, or some of it is in the solid and something cuts it.
+ * */
 static bool may_have_caps(void *context, const iso_grid_chunk *chunk, const iso_brick_range *range) {
     const caps_visit *all = context;
+    const iso_clip *clip = all->caps->caps ? all->caps->solids[0].clip : NULL;
     double low[3], high[3];
     unsigned cutting;
-    if (range && !(all->level_set ? range->lo < all->isovalue : range->hi >= all->isovalue)) return false;
     find_cells(chunk, low, high);
     iso_vec3 half[3];
-    const iso_vec3 centre = {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2};
+    const iso_vec3 middle = {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2},
+                   centre = iso_affine_point(&all->affine, middle);
     for (int axis = 0; axis < 3; axis++) {
         const double reach = (high[axis] - low[axis]) / 2 + 0.01;
         half[axis] = iso_affine_vector(
             &all->affine, iso_vec3_make(reach * (axis == 0), reach * (axis == 1), reach * (axis == 2)));
     }
-    return iso_clip_of_box(all->caps->solids[0].clip, iso_affine_point(&all->affine, centre), half,
-                           &cutting) == ISO_CLIP_SOME;
+    if (is_sliced(all->caps, centre, half)) return true;
+    if (range && !(all->level_set ? range->lo < all->isovalue : range->hi >= all->isovalue)) return false;
+    return clip && clip->count && iso_clip_of_box(clip, centre, half, &cutting) == ISO_CLIP_SOME;
 }
 
 /* iso_chunk_visitor. */
@@ -51,11 +62,7 @@ static iso_status draw_chunk(void *context, const iso_chunk_visit *visit, iso_er
     const iso_grid_chunk *chunk = visit->chunk;
     iso_cap_part part = {.grid = {.rgrid = visit->grid}};
     find_cells(chunk, part.low, part.high);
-    for (int axis = 0; axis < 3; axis++) {
-        part.origin[axis] = chunk->origin[axis] * ISO_BRICK;
-        part.low[axis] -= chunk->box.first[axis] ? OVERLAP : ISO_CAP_SLACK;
-        part.high[axis] += part.high[axis] < chunk->dims[axis] - 1 ? OVERLAP : ISO_CAP_SLACK;
-    }
+    for (int axis = 0; axis < 3; axis++) part.origin[axis] = chunk->origin[axis] * ISO_BRICK;
     return iso_caps_draw_keys(all->caps, &part, all->view, all->keys, all->pool, error);
 }
 
@@ -69,6 +76,5 @@ iso_status iso_cap_chunks_draw(iso_chunk_walk *walk, iso_chunk_share share, cons
                       .affine = iso_transform_affine(iso_grid_transform(solid->grid)),
                       .isovalue = iso_grid_stored(solid->grid, solid->isovalue),
                       .level_set = iso_grid_is_level_set(solid->grid) != 0};
-    if (!solid->clip || !solid->clip->count) return ISO_OK;
     return iso_chunk_walk_visit_wanted(walk, share, may_have_caps, draw_chunk, &all, error);
 }

@@ -23,11 +23,12 @@ static const double OUTLINE = 0.75;
 typedef struct solid {
     const iso_capped *input;
     iso_affine affine;
-    iso_grid voxels;        /* of the volume, or of the part of it that is looked at */
-    int origin[3];          /* the index of their first one in the volume */
-    double last[3];         /* index of the volume's last voxel */
-    double low[3], high[3]; /* index coordinates between which there are caps */
-    double isovalue;        /* stored */
+    iso_grid voxels;         /* of the volume, or of the part of it that is looked at */
+    int origin[3];           /* the index of their first one in the volume */
+    double last[3];          /* index of the volume's last voxel */
+    double low[3], high[3];  /* index coordinates between which there are caps */
+    double first[3], end[3]; /* and slices: to `end`, which belongs to another part */
+    double isovalue;         /* stored */
     bool level_set;
     bool same_clip;       /* as the solid before it */
     bool by_plane;        /* its clip is one plane */
@@ -60,19 +61,24 @@ struct caps_draw {
 struct found {
     double depth;
     const solid *solid;
-    int piece;       /* of the ray, which begins here */
+    int order;       /* of two caps or slices at one depth the lower one is seen */
     float normal[3]; /* view space; 0: not lit */
     uint32_t color;  /* as in the gbuffer, without the surface's number */
 };
 
+/* A place in index coordinates of the volume, in those of the voxels that are there. (The origin is
+ * subtracted without rounding.) */
+static iso_vec3 in_part(const solid *s, iso_vec3 place) {
+    return iso_vec3_sub(place, iso_vec3_make(s->origin[0], s->origin[1], s->origin[2]));
+}
+
 /* The stored value at a place in index coordinates; NAN outside the volume, or the part that is looked at,
- * and beside a voxel that is not finite. (The origin is subtracted without rounding.) */
+ * and beside a voxel that is not finite. */
 static double value_at_index(const solid *s, iso_vec3 place) {
     const double p[3] = {place.x, place.y, place.z};
     for (int axis = 0; axis < 3; axis++)
         if (!(p[axis] >= s->low[axis] && p[axis] <= s->high[axis])) return NAN;
-    return iso_grid_sample(&s->voxels,
-                           iso_vec3_sub(place, iso_vec3_make(s->origin[0], s->origin[1], s->origin[2])));
+    return iso_grid_sample(&s->voxels, in_part(s, place));
 }
 
 /* The same at a point in the world. */
@@ -158,6 +164,7 @@ static inline void take_cap(const caps_draw *draw, const solid *s, double depth,
                             double value, found *f) {
     f->depth = depth;
     f->solid = s;
+    f->order = ISO_SLICES;
     f->color = s->shows ? color_of(&draw->caps->look, s, value) : pack(s->input->color);
     for (int k = 0; k < 3; k++) f->normal[k] = s->shows ? 0 : normal[k];
 }
@@ -247,7 +254,7 @@ static void find_cap(const caps_draw *draw, iso_vec3 origin, iso_vec3 direction,
                 float normal[3];
                 store_normal(draw->view, iso_clip_normal(s->input->clip, &pieces[k], point), normal);
                 take_cap(draw, s, pieces[k].begin, normal, value, f);
-                f->piece = k;
+                f->order = ISO_SLICES + k; /* the piece of the ray that begins here */
             }
             break;
         }
@@ -256,7 +263,7 @@ static void find_cap(const caps_draw *draw, iso_vec3 origin, iso_vec3 direction,
 
 /* ---- slices */
 
-/* Where the ray of a sample meets a plane; false: nowhere in front of the eye. */
+/* Where the ray of a sample meets a plane, in the world; false: nowhere in front of the eye. */
 static bool meet_plane(const iso_view *view, const double plane[4], double x, double y, double *t,
                        iso_vec3 *point) {
     iso_vec3 origin, direction;
@@ -267,30 +274,43 @@ static bool meet_plane(const iso_view *view, const double plane[4], double x, do
     return *t >= view->near && *t < INFINITY;
 }
 
-/* Whether an outline of a surface passes within OUTLINE pixels. across, down: the values in the next
- * samples. */
-static bool is_outline(const caps_draw *draw, const solid *s, double value, double across, double down) {
-    const double reach = OUTLINE * draw->caps->factor, from = value - s->isovalue;
-    const double square = (across - value) * (across - value) + (down - value) * (down - value);
-    return from * from < reach * reach * square;
+/* By how much a value changes from a place in a plane to where the ray of a sample meets it, by the slope at
+ * the place; NAN: nowhere. */
+static double change_to(const caps_draw *draw, const iso_slice *slice, double x, double y, iso_vec3 place,
+                        iso_vec3 slope) {
+    double t;
+    iso_vec3 next;
+    if (!meet_plane(draw->view, slice->plane, x, y, &t, &next)) return NAN;
+    return iso_vec3_dot(slope, iso_vec3_sub(iso_affine_point_to_index(&draw->solids[0].affine, next), place));
 }
 
-static void find_slice(const caps_draw *draw, const iso_slice *slice, int x, int y, found *f) {
+/* Shows the slice where it is not behind what the sample shows. An outline is where the isovalue lies within
+ * OUTLINE pixels, by how the value changes to the next samples. Only the cell of the place is read, so that
+ * parts of a volume show what the whole one does. */
+static void find_slice(const caps_draw *draw, int number, int x, int y, found *f) {
     const solid *first = &draw->solids[0];
-    double t, unused;
-    iso_vec3 point, next;
+    const iso_slice *slice = &draw->caps->slices[number];
+    double t;
+    iso_vec3 point, slope;
     if (!meet_plane(draw->view, slice->plane, x + 0.5, y + 0.5, &t, &point) || !(t <= f->depth)) return;
-    const double value = value_at(first, point);
+    const iso_vec3 place = iso_affine_point_to_index(&first->affine, point);
+    const double p[3] = {place.x, place.y, place.z};
+    for (int axis = 0; axis < 3; axis++)
+        if (!(p[axis] >= first->first[axis] && p[axis] < first->end[axis])) return;
+    const double value = iso_grid_sample_slope(&first->voxels, in_part(first, place), &slope);
     if (isnan(value)) return;
-    *f = (found){.depth = t, .solid = first, .color = color_of(&draw->caps->look, first, value)};
-    const double across =
-        meet_plane(draw->view, slice->plane, x + 1.5, y + 0.5, &unused, &next) ? value_at(first, next) : NAN;
-    const double down =
-        meet_plane(draw->view, slice->plane, x + 0.5, y + 1.5, &unused, &next) ? value_at(first, next) : NAN;
+    *f = (found){.depth = t,
+                 .solid = first,
+                 .order = ISO_SLICES - 1 - number,
+                 .color = color_of(&draw->caps->look, first, value)};
+    const double across = change_to(draw, slice, x + 1.5, y + 0.5, place, slope),
+                 down = change_to(draw, slice, x + 0.5, y + 1.5, place, slope),
+                 reach = OUTLINE * draw->caps->factor,
+                 square = reach * reach * (across * across + down * down);
     for (int i = 0; i < draw->caps->count; i++) {
         const solid *s = &draw->solids[i];
-        if (share_volume(s->input, first->input) && is_outline(draw, s, value, across, down))
-            f->color = pack(s->input->color);
+        const double from = value - s->isovalue;
+        if (share_volume(s->input, first->input) && from * from < square) f->color = pack(s->input->color);
     }
 }
 
@@ -304,7 +324,7 @@ static void keep_key(const caps_draw *draw, int x, int y, const found *f) {
     const float to_eye[3] = {-iso_slope_of_column(draw->view, x), -iso_slope_of_row(draw->view, y), -1};
     const iso_rgb color = {(uint8_t)f->color, (uint8_t)(f->color >> 8), (uint8_t)(f->color >> 16)};
     const uint32_t rgba = is_lit(f) ? iso_shade_pixel(f->normal, to_eye, color) : f->color;
-    const uint64_t made = iso_key_of_cap(draw->in_front ? -INFINITY : f->depth, f->piece, rgba);
+    const uint64_t made = iso_key_of_cap(draw->in_front ? -INFINITY : f->depth, f->order, rgba);
     uint64_t *key = draw->keys + (size_t)y * (size_t)draw->view->width + (size_t)x;
     if (made < *key) *key = made;
 }
@@ -368,8 +388,7 @@ static void draw_samples(const caps_draw *draw, const iso_cap_row *rows, int x, 
             iso_view_ray(draw->view, x + i + 0.5, y + 0.5, &origin, &direction);
             find_cap(draw, origin, direction, &f);
         }
-        for (int k = 0; k < draw->caps->slice_count; k++)
-            find_slice(draw, &draw->caps->slices[k], x + i, y, &f);
+        for (int k = 0; k < draw->caps->slice_count; k++) find_slice(draw, k, x + i, y, &f);
         if (f.solid) draw->write(draw, x + i, y, &f);
     }
 }
@@ -419,8 +438,8 @@ static void prepare_solid(const caps_draw *draw, int i) {
     s->voxels = *input->grid;
     for (int axis = 0; axis < 3; axis++) {
         s->last[axis] = iso_grid_dims(input->grid)[axis] - 1;
-        s->low[axis] = -ISO_CAP_SLACK;
-        s->high[axis] = s->last[axis] + ISO_CAP_SLACK;
+        s->low[axis] = s->first[axis] = -ISO_CAP_SLACK;
+        s->high[axis] = s->end[axis] = s->last[axis] + ISO_CAP_SLACK;
     }
     s->shows = draw->caps->shows && !input->plain;
     s->offset = iso_grid_physical(input->grid, 0);
@@ -434,11 +453,23 @@ static void prepare_solid(const caps_draw *draw, int i) {
     store_normal(draw->view, iso_clip_normal(input->clip, &piece, input->clip->body[0].centre), s->normal);
 }
 
+/* Caps of neighbouring parts overlap by this much, voxels: a place that rounding moves across their border is
+ * found in both. */
+static const double OVERLAP = 1e-6;
+
 static void keep_to_part(solid *s, const iso_cap_part *part) {
     s->voxels = part->grid;
     memcpy(s->origin, part->origin, sizeof s->origin);
-    memcpy(s->low, part->low, sizeof s->low);
-    memcpy(s->high, part->high, sizeof s->high);
+    for (int axis = 0; axis < 3; axis++) {
+        if (part->low[axis] > 0) {
+            s->first[axis] = part->low[axis];
+            s->low[axis] = part->low[axis] - OVERLAP;
+        }
+        if (part->high[axis] < s->last[axis]) {
+            s->end[axis] = part->high[axis];
+            s->high[axis] = part->high[axis] + OVERLAP;
+        }
+    }
 }
 
 /* Chooses the painter if there is one solid, which one plane cuts, and no map of colours. */
@@ -507,10 +538,11 @@ iso_status iso_caps_draw(const iso_cut_caps *caps, const iso_view *view, iso_gbu
 
 iso_status iso_caps_draw_keys(const iso_cut_caps *caps, const iso_cap_part *part, const iso_view *view,
                               iso_key_image *keys, iso_pool *pool, iso_error *error) {
-    assert(caps->count == 1 && !caps->slice_count && keys->height == ISO_KEY_PLANES * view->height);
+    assert(caps->count == 1 && keys->height == ISO_KEY_PLANES * view->height);
     const iso_projector projector = iso_projector_make(view, iso_grid_transform(caps->solids[0].grid));
-    const iso_box box = {{part->low[0], part->low[1], part->low[2]},
-                         {part->high[0], part->high[1], part->high[2]}};
+    const double *low = part->low, *high = part->high;
+    const iso_box box = {{low[0] - ISO_CAP_SLACK, low[1] - ISO_CAP_SLACK, low[2] - ISO_CAP_SLACK},
+                         {high[0] + ISO_CAP_SLACK, high[1] + ISO_CAP_SLACK, high[2] + ISO_CAP_SLACK}};
     caps_draw draw = {.caps = caps,
                       .view = view,
                       .keys = keys->keys + 2 * (size_t)view->width * (size_t)view->height,

@@ -56,16 +56,16 @@ bool iso_caps_are_in_front(const iso_cut_caps *caps);
 iso_status iso_caps_draw(const iso_cut_caps *caps, const iso_view *view, iso_gbuffer *gbuffer, iso_pool *pool,
                          iso_error *error);
 
-/* Voxels of a part of a volume, and where caps are looked for in it. */
+/* Voxels of a part of a volume, and the cells that it consists of. */
 typedef struct iso_cap_part {
     iso_grid grid;          /* borrowed */
     int origin[3];          /* the volume's index of its first voxel */
     double low[3], high[3]; /* index coordinates of the volume; the grid has all cells between them */
 } iso_cap_part;
 
-/* Draws the caps of one solid that are in a part of its volume, of whose grid no voxels are read, into the
- * caps' plane of a key image. When this was done for parts that cover the volume, in any order and into any
- * number of key images, the picture is that of iso_caps_draw, byte for byte. No slices. ISO_ERR_NOMEM. */
+/* Draws the caps of one solid, and the slices, that are in a part of its volume, of whose grid no voxels are
+ * read, into the caps' plane of a key image. When this was done for parts that cover the volume, in any order
+ * and into any number of key images, the picture is that of iso_caps_draw, byte for byte. ISO_ERR_NOMEM. */
 iso_status iso_caps_draw_keys(const iso_cut_caps *caps, const iso_cap_part *part, const iso_view *view,
                               iso_key_image *keys, iso_pool *pool, iso_error *error);
 

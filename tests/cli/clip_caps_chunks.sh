@@ -1,4 +1,4 @@
-# Caps of volumes that are drawn in chunks and in parts have the bytes of those of the whole: where one plane cuts and where several
+# Caps and slices of volumes that are drawn in chunks and in parts have the bytes of those of the whole: where one plane cuts and where several
 # bodies do, where chunks lie inside the solid, beside voxels that are no numbers, for every size of chunk and number of threads
 python3 - <<'P'
 import math
@@ -27,7 +27,7 @@ count=0 isovalue=500
 same() {
     options="$* --quiet --resolution 150x120 --isovalue $isovalue --fit box --no-index"
     isorender $options -o whole.png
-    isorender ${options/--window 900,800/} -o plain.png --cap none
+    isorender $(sed -E 's/--window [^ ]+//; s/--slice [^ ]+//g; s/--opacity 0//' <<<"$options") -o plain.png --cap none
     if cmp -s whole.png plain.png; then echo "no cap: $*"; exit 1; fi
     for side in 16 20 48; do
         isorender $options -o chunks.png --chunk-size $side --threads $((side / 8 - 1))
@@ -59,7 +59,14 @@ same in/box_192x192x192_uint8.raw --clip 96,96,96:-1,-2,.5 --cap slice
 same in/box_192x192x192_uint8.raw --clip 'y<90' --clip 'x<50' --cap slice
 same in/tiles.zarr --clip 80,80,80:-1,-2,.5 --cap slice
 same in/tiles.zarr --clip 'y<80' --clip 'x<50' --cap red
-[ $count = 15 ]
-refuses 2 "slice cannot be drawn in chunks" isorender in/v.mha bad.png --slice y=2 --chunk-size 16
-refuses 2 "slice cannot be drawn in chunks" isorender in/v.mha --slice y=2 --part 1/2 -o bad.isokeys
+same in/tiles.zarr --slice 80,80,80:-1,-2,.5 --slice axial
+same in/box_192x192x192_uint8.raw --clip 'y<90' --cap slice --slice x=96 --slice 96,96,96:1,2,-.5 # the borders of chunks, and a cap's plane
+isovalue=500
+same in/v.mha --slice axial --slice coronal --slice sagittal --samples 1
+same in/v.mha --slice 50,47,45:-.3,-.7,.4 --window 900,800 --orthographic --azimuth 70
+same in/v.mha --clip 'x<30' --clip 'y<20' --cap red --slice 50,47,45:-.3,-.7,.4 --slice z=60
+same $w --slice z=16 --slice z=17 --opacity 0 --camera top --orthographic
+same $w --slice camera:20 --opacity 0 --azimuth 30
+[ $count = 22 ]
+refuses 2 "opacity cannot be drawn in chunks" isorender in/v.mha bad.png --opacity .5 --chunk-size 16
 refuses 2 "color-bar cannot be combined with --part" isorender in/v.mha --clip 'y<2' --cap slice --color-bar --part 1/2 -o bad.isokeys
