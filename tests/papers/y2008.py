@@ -1,5 +1,5 @@
 """Marroquim, Kraus and Cavalcanti 2008, Efficient Image Reconstruction for Point-Based and Line-Based Rendering: table 1,
-section 6, figures 4, 9, 12 to 16 and 19."""
+section 6, figures 4 to 6, 9, 12 to 16 and 19."""
 import json
 import math
 import os
@@ -10,6 +10,7 @@ sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "
 from check import Exr
 from measure import Number, read_ply_header
 from tables import HARDLY_VISIBLE, Table, rate, ratio
+from light2008 import figure_5, figure_6
 from y2003 import VOLUMES, Volumes
 
 # model, thousand points; ms a frame (projecting, pyramid) without colours; with
@@ -331,6 +332,15 @@ def tables(machine):
            lambda table: table_1(machine, table))
     yield (Table("2008-figure-4", 2008, "Figure 4: box and Gaussian weights", ["PSNR inside to the field, dB", "holes, %"],
                  "The paper shows pictures only."), lambda table: figure_4(machine, table))
+    yield (Table("2008-figure-5", 2008, "Figure 5: shading before and after interpolation",
+                 ["a: non-deferred, steepest rise", "b: deferred, in the pyramid", "exact", "a to b where the highlights are, dB"],
+                 "The paper shows pictures only. In (a) each point is shaded and its colour splatted, in (b) interpolated normals are "
+                 "shaded. Rises of brightness, of 255 over 16 pixels, where the exact surface has highlights; 99th percentile."),
+           lambda table: figure_5(machine, table))
+    yield (Table("2008-figure-6", 2008, "Figure 6: colours of points", ["colours, PSNR to exact, dB", "PSNR inside to exact, dB"],
+                 "The paper shows pictures only. Ours are scenes with stripes by their height, of which each point has the colour at its "
+                 "place; the first column is of pixels in which surfaces of one colour agree."),
+           lambda table: figure_6(machine, table))
     yield (Table("2008-figure-9", 2008, "Figure 9: a twisted ribbon",
                  ["IoU with the exact ribbon", "dilation, at most, pixels", "holes, %"],
                  "The paper shows a picture only."), lambda table: figure_9(machine, table))
