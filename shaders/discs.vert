@@ -272,14 +272,17 @@ void main() {
         lowest = max(lowest, -index);
         highest = min(highest, border.xyz - index);
     }
+    bool near = !orthographic && radius > at.z * ISO_DISCS_EXACT;
     vec2 reach = reach_of(view_normal, ray.xy, radius, square) * scale;
+    /* near the eye the part of a disc in front of its centre is magnified more: flat ones are as wide as
+     * balls at the picture's corner (bound_discs in render/discs/common_simd.h) */
+    if (near && !curved) reach = vec2(radius * scale * step_y.w);
     soft = vec4(0.0);
     if (place.w < 0.0) {
         soft = convolved(view_normal, orthographic ? vec2(0.0) : ray.xy, facing_away,
                          1.0 / (scale * scale * radius * radius));
         reach = sqrt(reach * reach + ISO_DISCS_LOW_PASS * ISO_DISCS_LOW_PASS);
     }
-    bool near = !orthographic && radius > at.z * ISO_DISCS_EXACT;
     facing = vec4(view_normal, side);
     entries = colored ? vec4(color, 0.0) : vec4(s[0], s[1].y);
     rest = vec4(s[1].z, s[2].z, square, float(near));

@@ -173,31 +173,74 @@ static char *take_scene_path(isorender_settings *settings, const char *path) {
     return picture;
 }
 
-/* `path`: of the scene that the command line was made of; or NULL. */
-static int run_command(int argc, char **argv, const char *path) {
-    iso_error error = {0};
+/* The settings of a command line, and what they borrow. */
+typedef struct parsed {
     isorender_settings settings;
-    iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
-    if (!operands.values)
-        return iso_program_fail(isorender_program(), &error,
-                                iso_fail(&error, ISO_ERR_NOMEM, "out of memory"));
+    iso_operands operands;
+    char *picture; /* take_scene_path */
+} parsed;
+
+/* `number`: of the command, of several. Free with parsed_free also after errors. */
+static iso_status parse(const isorender_command *command, int number, parsed *p, iso_error *error) {
+    p->operands = (iso_operands){calloc((size_t)command->argc + 1, sizeof *p->operands.values), 0};
+    p->settings = (isorender_settings){.scene_number = 0};
+    p->picture = NULL;
+    if (!p->operands.values) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    const iso_status status =
+        isorender_settings_parse(command->argc, command->argv, &p->settings, &p->operands, error);
+    if (command->path) p->picture = take_scene_path(&p->settings, command->path);
+    p->settings.scene_number = number;
+    p->settings.argc = command->argc;
+    p->settings.argv = command->argv;
+    return status;
+}
+
+static void parsed_free(parsed *p) {
+    isorender_keyframes_free(&p->settings);
+    isorender_series_free(&p->settings);
+    isorender_bids_free(&p->settings.sheet.bids);
+    free(p->operands.values);
+    free(p->picture);
+}
+
+static int run_command(const isorender_command *command, int number) {
+    iso_error error = {0};
+    parsed p;
     int code = 0;
-    iso_status status = isorender_settings_parse(argc, argv, &settings, &operands, &error);
-    char *picture = path ? take_scene_path(&settings, path) : NULL;
-    settings.argc = argc;
-    settings.argv = argv;
-    status = join_ranks(&settings, status, &error);
-    if (status == ISO_OK && settings.sheet.watch && !settings.common.action)
-        status = isorender_watch(&settings, &error);
-    if (status == ISO_OK) status = perform(&settings, &code, &error);
+    iso_status status = parse(command, number, &p, &error);
+    if (!p.operands.values) return iso_program_fail(isorender_program(), &error, status);
+    isorender_settings *settings = &p.settings;
+    status = join_ranks(settings, status, &error);
+    if (status == ISO_OK && settings->sheet.watch && !settings->common.action)
+        status = isorender_watch(settings, &error);
+    if (status == ISO_OK) status = perform(settings, &code, &error);
     if (status != ISO_OK) code = say(&error, status);
-    isorender_ranks_finish(&settings.ranks);
-    isorender_keyframes_free(&settings);
-    isorender_series_free(&settings);
-    isorender_bids_free(&settings.sheet.bids);
-    free(operands.values);
-    free(picture);
+    isorender_ranks_finish(&settings->ranks);
+    parsed_free(&p);
     return iso_program_finish(isorender_program(), code);
+}
+
+/* Checks that no scene would overwrite what another one has drawn. What else is wrong with one is said when
+ * it is drawn. */
+static iso_status check_outputs(const isorender_commands *scenes, iso_error *error) {
+    iso_file_set outputs = {0};
+    iso_status status = ISO_OK;
+    for (int i = 0; i < scenes->count && status == ISO_OK; i++) {
+        parsed p;
+        isorender_plan *plans = NULL;
+        if (parse(&scenes->items[i], i, &p, NULL) == ISO_OK && !p.settings.common.action &&
+            isorender_plans_make(&p.settings, &plans, NULL) == ISO_OK)
+            status = isorender_plans_add_outputs(&p.settings, plans, &outputs, error);
+        isorender_plans_free(plans, p.settings.input_count);
+        parsed_free(&p);
+    }
+    if (status == ISO_OK) status = iso_file_set_check(&outputs, error);
+    iso_file_set_free(&outputs);
+    if (status != ISO_ERR_USAGE) return status;
+    char reason[sizeof error->text];
+    memcpy(reason, error->text, sizeof reason);
+    return iso_fail(error, status, "%s; several scenes need a template, such as --output 'figure-{n}.png'",
+                    reason);
 }
 
 static int run_program(int argc, char **argv) {
@@ -207,10 +250,11 @@ static int run_program(int argc, char **argv) {
     const iso_status status = isorender_commands_make(argc, argv, &scenes, &error);
     if (status != ISO_OK && iso_ranks_number_on_node() > 0) error.text[0] = 0; /* the first rank tells it */
     if (status != ISO_OK) return say(&error, status);
-    if (!scenes.count) return run_command(argc, argv, NULL);
-    for (int i = 0; i < scenes.count; i++) {
-        const isorender_command *scene = &scenes.items[i];
-        const int code = run_command(scene->argc, scene->argv, scene->path);
+    if (!scenes.count) return run_command(&(isorender_command){.argc = argc, .argv = argv}, 0);
+    const iso_status outputs = scenes.count > 1 ? check_outputs(&scenes, &error) : ISO_OK;
+    if (outputs != ISO_OK) worst = say(&error, outputs);
+    for (int i = 0; i < scenes.count && outputs == ISO_OK; i++) {
+        const int code = run_command(&scenes.items[i], i);
         if (!worst) worst = code;
     }
     isorender_commands_free(&scenes);

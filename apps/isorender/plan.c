@@ -86,12 +86,12 @@ static void names_of(const isorender_plan *plan, const char *names[NAMES]) {
 
 /* Every frame of an input has a name of its own, but for those of a video. */
 static iso_status add_frames(const isorender_settings *settings, const isorender_plan *plan, const char *name,
-                             iso_error *error) {
+                             iso_file_set *files, iso_error *error) {
     const bool several = settings->pictures && !(plan->video && name == plan->image);
     for (int frame = 0; name && frame < (several ? settings->pictures : 1); frame++) {
         char *path = NULL;
         ISO_TRY(isorender_plan_frame(plan, name, frame, &path, error));
-        iso_file_set_write(plan->files, path);
+        iso_file_set_write(files, path);
         free(path);
     }
     return ISO_OK;
@@ -101,18 +101,24 @@ static void add_input(iso_file_set *files, const char *input) {
     if (!iso_loader_is_scene(input) && !iso_spool_is_stream(input)) iso_file_set_read(files, input);
 }
 
-static iso_status add_files(const isorender_settings *settings, const isorender_plan *plan, int number,
-                            iso_error *error) {
+static iso_status add_outputs(const isorender_settings *settings, const isorender_plan *plan, int number,
+                              iso_file_set *files, iso_error *error) {
     const char *names[NAMES];
     names_of(plan, names);
-    add_input(plan->files, plan->input);
     for (int i = 0; i < NAMES; i++)
         if (i == IMAGE && plan->video && settings->series_of && number)
             continue; /* all steps go into one */
         else if (i == IMAGE || i == AOV)
-            ISO_TRY(add_frames(settings, plan, names[i], error));
+            ISO_TRY(add_frames(settings, plan, names[i], files, error));
         else
-            iso_file_set_write(plan->files, names[i]);
+            iso_file_set_write(files, names[i]);
+    return ISO_OK;
+}
+
+iso_status isorender_plans_add_outputs(const isorender_settings *settings, const isorender_plan *plans,
+                                       iso_file_set *files, iso_error *error) {
+    for (int i = 0; i < settings->input_count; i++)
+        ISO_TRY(add_outputs(settings, &plans[i], i, files, error));
     return ISO_OK;
 }
 
@@ -131,7 +137,8 @@ static iso_status check_all(const isorender_settings *settings, const isorender_
         iso_file_set_read(plans->files, settings->object_options.paths[i]);
     for (int i = 0; i < settings->volume_options.count; i++)
         add_input(plans[0].files, settings->volume_options.paths[i]);
-    for (int i = 0; i < settings->input_count; i++) ISO_TRY(add_files(settings, &plans[i], i, error));
+    for (int i = 0; i < settings->input_count; i++) add_input(plans->files, plans[i].input);
+    ISO_TRY(isorender_plans_add_outputs(settings, plans, plans->files, error));
     return iso_file_set_check(plans->files, error);
 }
 
@@ -142,7 +149,8 @@ static iso_status make_all(const isorender_settings *settings, isorender_plan *p
     for (int i = 0; i < settings->input_count; i++) {
         if (settings->scene) ISO_TRY(scene_input(settings->scene, &plans[i].scene, error));
         plans[i].input = settings->scene ? plans[i].scene : settings->inputs[i];
-        ISO_TRY(make_names(settings, i, &plans[i], error));
+        const int number = settings->scene_number * settings->input_count + i;
+        ISO_TRY(make_names(settings, number, &plans[i], error));
         if (!i || !plans[i].video || !settings->series_of) continue;
         free(plans[i].image); /* all steps go into one */
         plans[i].image = strdup(plans[0].image);

@@ -21,6 +21,10 @@ typedef struct isorender_plan {
 iso_status isorender_plans_make(const isorender_settings *settings, isorender_plan **plans, iso_error *error);
 void isorender_plans_free(isorender_plan *plans, int count);
 
+/* Adds the outputs of all plans to `files`. ISO_ERR_NOMEM. */
+iso_status isorender_plans_add_outputs(const isorender_settings *settings, const isorender_plan *plans,
+                                       iso_file_set *files, iso_error *error);
+
 /* Whether the plan has a picture or an aov to be rendered. */
 bool isorender_plan_draws(const isorender_plan *plan);
 

@@ -112,6 +112,7 @@ typedef struct isorender_settings {
     const char *scene_file; /* the file that the options come from; NULL: the command line alone */
     const char
         *scene_output; /* the picture's name when none is given: that of scene_file; NULL: the input's */
+    int scene_number;  /* of several scenes: counts from 0 */
     iso_texts again;   /* files of scenes; isorender_commands_make has made command lines of them */
     isorender_noted noted[ISORENDER_NOTED];
     int noted_count; /* of options that were given, also of those beyond ISORENDER_NOTED */

@@ -44,6 +44,20 @@ P
 cp fig.json two.json
 isorender fig.json two.json --quiet
 cmp fig.png two.png
+# several pictures again: none overwrites another's, and {n} counts them, with their inputs
+isorender --again small.png --again other.png -o 'again-{n}.png' --quiet
+cmp small.png again-0.png
+cmp other.png again-1.png
+isorender fig.json two.json in/a.mha in/b.mha -o 'both-{n}.png' --quiet
+cmp first.png both-0.png
+cmp other.png both-1.png
+cmp first.png both-2.png
+cmp other.png both-3.png
+refuses 2 "again.png: two outputs have this name; several scenes need a template, such as --output 'figure-{n}.png'" \
+    isorender --again small.png --again other.png again.png
+refuses 2 "a.png: two outputs have this name" isorender --again first.png --again small.png
+refuses 2 "x.json: two outputs have this name" isorender fig.json two.json --json=x.json
+! ls again.png a.png x.json 2>/dev/null
 # the schema has every option of a scene, and none of the others
 isorender --schema >schema
 python3 - <<'P'

@@ -88,6 +88,43 @@ static void hidden_instances_are_not_missed(iso_gl_engine *engine) {
     test_forest_free(f);
 }
 
+/* Eyes inside instances, a few voxels from points, whose discs are large in the picture. */
+static void eyes_may_be_inside(iso_gl_engine *engine) {
+    static const iso_reconstruction by[] = {ISO_RECONSTRUCTION_CURVED, ISO_RECONSTRUCTION_FLAT,
+                                            ISO_RECONSTRUCTION_EWA};
+    test_forest *f = test_forest_make(40);
+    tally sum[2] = {{0, 0, 0}, {0, 0, 0}};
+    double least = INFINITY;
+    uint32_t seed = 7;
+    for (int k = 0; k < 24; k++) {
+        const iso_instance *in = &f->instances[k];
+        const iso_affine affine = iso_transform_affine(&in->transform);
+        const iso_point_view *points = &f->scenes[in->set].points;
+        iso_camera camera = {.view_up = {0, 0, 1}, .view_angle = 50, .parallel_scale = 1};
+        iso_vec3 at[2];
+        for (int i = 0; i < 2; i++) {
+            const iso_point_span *span = &points->spans[(size_t)(uniform(&seed) * points->span_count)];
+            const iso_surfel p =
+                iso_point_view_get(points, span->first + (size_t)(uniform(&seed) * span->count));
+            const double inside = i ? 0 : 1 + 2 * uniform(&seed);
+            double voxel[3];
+            for (int axis = 0; axis < 3; axis++)
+                voxel[axis] = (double)p.position[axis] + span->brick[axis] * ISO_BRICK -
+                              inside * (double)p.normal[axis];
+            at[i] = iso_vec3_make(voxel[0], voxel[1], voxel[2]);
+        }
+        camera.position = iso_affine_point(&affine, at[0]);
+        camera.focal_point = iso_affine_point(&affine, at[1]);
+        const iso_view view = iso_view_make(&camera, WIDTH, HEIGHT);
+        f->all.reconstruction = by[k % 3];
+        f->all.lod_pixels = k / 12;
+        least = fmin(least, compare(engine, &f->all, &view, sum));
+    }
+    printf("%s: %.1f dB or more from the cpu\n", engine->context->name, least);
+    assert_true(least >= 60);
+    test_forest_free(f);
+}
+
 /* Filtered discs are hit before their points, and what is averaged with a front may lie before it. */
 static void discs_reach_before_their_points(iso_gl_engine *engine) {
     static const iso_reconstruction by[] = {ISO_RECONSTRUCTION_CURVED, ISO_RECONSTRUCTION_FLAT,
@@ -172,6 +209,7 @@ static void points_of_all_kinds(iso_gl_engine *engine) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         gl_engine_test(hidden_instances_are_not_missed),
+        gl_engine_test(eyes_may_be_inside),
         gl_engine_test(discs_reach_before_their_points),
         gl_engine_test(points_of_all_kinds),
     };

@@ -540,6 +540,7 @@ iso_status iso_discs_draw(iso_discs *workspace, const iso_target *target, const 
     set_up_color(&call.params, opts->color);
     const bool overlapping = points->radii || points->overlapping,
                two_passes = call.params.centres || call.params.widened ||
+                            (blocks->around_eye && opts->flat != ISO_FLAT_DISCS_ONEPASS) ||
                             (overlapping && opts->flat == ISO_FLAT_DISCS_FILTERED);
     call.params.pass = two_passes ? ISO_DISCS_SUM_PASS : ISO_DISCS_ONE_PASS;
     choose_patches(&call);

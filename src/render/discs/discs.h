@@ -43,7 +43,8 @@ typedef enum iso_flat_disc_style {
     /* As above, with a low-pass filter against aliasing: a small disc also adds to pixels whose centres are
      * near its own (Botsch et al. 2005, section 4), but only to those that some disc covers, so that
      * silhouettes do not grow. Points with radii of their own, and overlapping ones (iso_point_view), are
-     * drawn twice, fronts first: then the order of the discs does not matter. */
+     * drawn twice, fronts first: then the order of the discs does not matter. (So are points around the eye
+     * by all styles but ONEPASS: the larger discs are, the more pixels show where their order does.) */
     ISO_FLAT_DISCS_FILTERED,
     /* Baerentzen and Christensen 2003, section 4.2: no filter; a disc is averaged with the first one of a
      * pixel, rejected behind it, or replaces what is there. */

@@ -101,6 +101,7 @@ static void upload_uniforms(const iso_gl_discs_draw *d, const iso_gl_tile *t) {
         .flags = {view->orthographic, d->cull, surface->has_colors, d->widened}};
     float *steps[] = {u.step_x, u.step_y, u.step_z}, *normals[] = {u.normal_x, u.normal_y, u.normal_z};
     u.step_x[3] = surface->radii_scale;
+    u.step_y[3] = iso_discs_slant(view, 0);
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 3; i++) steps[k][i] = (float)(p->matrix[3 * k + i] * voxels);
         memcpy(normals[k], p->normal + 3 * k, 3 * sizeof *normals[k]);

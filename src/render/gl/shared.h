@@ -199,10 +199,10 @@ uint ordered(float depth) {
     ISO_GL_INT_ROWS(levels, ISO_GL_LEVELS); /* width, height, first pixel in the buffers */
 
 /* std140. Drawing one surface by the method discs in a tile of the picture.
- * `step_x`: its last is what radii are multiplied by. `sizes`: 1 / focal (orthographic: 0); most voxels per
- * mm; the largest spacing in mm when voxels are not cubes, else 0; the largest thickness of a disc, mm.
- * `screen`: width and height of the viewport; its margin around the tile; the widest point that the driver
- * draws, in pixels. */
+ * `step_x`: its last is what radii are multiplied by. `step_y`: its last is iso_discs_slant of the picture.
+ * `sizes`: 1 / focal (orthographic: 0); most voxels per mm; the largest spacing in mm when voxels are not
+ * cubes, else 0; the largest thickness of a disc, mm. `screen`: width and height of the viewport; its margin
+ * around the tile; the widest point that the driver draws, in pixels. */
 #define ISO_GL_DISCS_FIELDS                                                                                  \
     ISO_GL_FLOATS(step_x); /* rows of the transform from steps to view space, without translation */         \
     ISO_GL_FLOATS(step_y);                                                                                   \

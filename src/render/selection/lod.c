@@ -320,13 +320,23 @@ static void list_spans(building *b, size_t from_count) {
     to->first_child[to->span_count] = (uint32_t)from_count;
 }
 
+/* Whether the points of the update before have what those of this one have: colours, for example, may have
+ * been given to points since, or taken from them. */
+static bool has_same_arrays(const building *b) {
+    const iso_lod_level *before = b->before;
+    const bool radii = b->from.radii || b->from.overlapping;
+    return !before->packed == !b->from.packed && !before->radii == !radii &&
+           !before->colors == !b->from.colors;
+}
+
 /* Finds the spans of the update before that can be kept. Both lists are sorted by Morton code. */
 static void find_kept(building *b, uint32_t *from_span) {
     const iso_lod_level *to = b->to, *before = b->before;
+    const bool can_keep = b->from.versions && has_same_arrays(b);
     size_t old = 0;
     for (size_t s = 0; s < to->span_count; s++) {
         from_span[s] = NOT_KEPT;
-        if (!b->from.versions) continue;
+        if (!can_keep) continue;
         const uint64_t code = code_of(to->spans[s].brick);
         while (old < before->span_count && code_of(before->spans[old].brick) < code) old++;
         if (old < before->span_count && code_of(before->spans[old].brick) == code &&

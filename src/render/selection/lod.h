@@ -65,10 +65,10 @@ typedef struct iso_lod {
 } iso_lod;
 
 /* Makes the levels of `points`, which is borrowed until the next update. Spans of levels above 0 are kept
- * from the update before if the versions of the spans below them are the same; without versions all are
- * made. The result is the same as if all were made, and for every number of threads. ISO_ERR_NOMEM;
- * ISO_ERR_LIMIT: bricks further than 2^20 bricks from brick 0. After an error the levels are those of no
- * points. */
+ * from the update before if the versions of the spans below them are the same; without versions, and where
+ * points have colours or radii that they had not then, or the other way round, all are made. The result is
+ * the same as if all were made, and for every number of threads. ISO_ERR_NOMEM; ISO_ERR_LIMIT: bricks further
+ * than 2^20 bricks from brick 0. After an error the levels are those of no points. */
 iso_status iso_lod_update(iso_lod *lod, const iso_point_view *points, iso_pool *pool, iso_error *error);
 void iso_lod_free(iso_lod *lod);
 

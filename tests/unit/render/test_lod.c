@@ -285,6 +285,31 @@ static void changes_are_followed(void **state) {
     test_scene_free(&s);
 }
 
+/* Points that get colours and radii after their levels were made, and lose them again, without new
+ * versions. */
+static void attributes_come_and_go(void **state) {
+    (void)state;
+    test_scene s = test_scene_make("gyroid", 60, NULL, true);
+    copied c = copy_points(&s.points);
+    iso_point_view plain = s.points, colored = s.points, wide = s.points;
+    plain.versions = colored.versions = wide.versions = c.versions;
+    colored.colors = c.view.colors;
+    wide.radii = c.view.radii;
+    iso_lod lod = make_lod(&plain, 1);
+    const iso_point_view order[] = {colored, plain, wide, c.view, plain};
+    for (int i = 0; i < 5; i++) {
+        iso_error error = {0};
+        test_ok(iso_lod_update(&lod, &order[i], NULL, &error), &error);
+        assert_int_equal(lod.kept, 0);
+        iso_lod fresh = make_lod(&order[i], 1);
+        same_levels(&fresh, &lod);
+        iso_lod_free(&fresh);
+    }
+    iso_lod_free(&lod);
+    free_copied(&c);
+    test_scene_free(&s);
+}
+
 /* No points, few points, points that no renderer draws, and bricks that are too far away. */
 static void odd_points(void **state) {
     (void)state;
@@ -642,11 +667,11 @@ static void zooms_hardly_pop(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(levels_are_means),     cmocka_unit_test(discs_contain_discs),
-        cmocka_unit_test(changes_are_followed), cmocka_unit_test(odd_points),
-        cmocka_unit_test(levels_have_no_holes), cmocka_unit_test(cuts_have_everything_once),
-        cmocka_unit_test(pictures_are_as_good), cmocka_unit_test(colors_are_prefiltered),
-        cmocka_unit_test(zooms_hardly_pop),
+        cmocka_unit_test(levels_are_means),          cmocka_unit_test(discs_contain_discs),
+        cmocka_unit_test(changes_are_followed),      cmocka_unit_test(odd_points),
+        cmocka_unit_test(attributes_come_and_go),    cmocka_unit_test(levels_have_no_holes),
+        cmocka_unit_test(cuts_have_everything_once), cmocka_unit_test(pictures_are_as_good),
+        cmocka_unit_test(colors_are_prefiltered),    cmocka_unit_test(zooms_hardly_pop),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
