@@ -335,6 +335,8 @@ ISO_INLINE void apply_curvature(const iso_discs_params *params, const rf_lanes *
 /* Computes the ISO_DISC_FLAT values: the intersection of flat discs with rays parallel to d; `along` is
  * n.d. */
 ISO_INLINE void set_flat_values(const iso_discs_params *params, const vf d[2], vf along, vf *disc) {
+    const vm small = v_le(disc[ISO_DISC_RADIUS], disc[ISO_DISC_Z] * ISO_DISCS_FLAT_EXACT);
+    disc[ISO_DISC_FLAT_NEAR] = v_select(small, v_set(0), disc[ISO_DISC_SCALE] * params->slope);
     const vf inverse = 1 / v_max(-along, v_set(1e-6f)), x = disc[ISO_DISC_NX] * inverse,
              y = disc[ISO_DISC_NY] * inverse;
     const vf pixel = disc[ISO_DISC_PIXEL], scale = pixel * pixel * disc[ISO_DISC_INVERSE];
@@ -550,9 +552,10 @@ ISO_INLINE void hit_at_depth(const iso_discs_params *params, const vf *disc, con
 }
 
 /* Intersects a disc with the ray through the pixel of a row that is `dx` pixels right of the disc's
- * centre: the nearer root of n.q + q.Sq / 2 = 0, for flat discs the root of n.q = 0. Discs in `exact`
+ * centre: the nearer root of n.q + q.Sq / 2 = 0, for flat discs the root of n.q = 0. Curved discs in `exact`
  * lanes are so near to the eye that each pixel's own ray is used, whose direction has x `ray_x`; for the
- * others rays are taken as parallel.
+ * others rays are taken as parallel. A flat disc at depth z that a parallel ray hits at q is hit by the pixel's
+ * own ray at q / (1 - q_z / z).
  *
  * With q = e + t d, where e is the offset of the ray at the centre's depth, the quadric is t^2 A / 2 + t B
  * + C / 2 = 0 with A = d.Sd, B = n.d + e.Sd, C = 2 n.e + e.Se, and the nearer root is t = C / (sqrt(B^2 -
@@ -561,11 +564,10 @@ ISO_INLINE rf_hit intersect(const iso_discs_params *params, const vf *disc, cons
                             const rf_row *row, vf dx, vf ray_x, vm exact) {
     rf_hit hit;
     const vf at[2] = {dx * disc[ISO_DISC_PIXEL], row->y}, ray[2] = {ray_x, row->ray};
-    const bool some = v_mask(exact);
-    const vf along = disc[ISO_DISC_NX] * ray[0] + disc[ISO_DISC_NY] * ray[1] + disc[ISO_DISC_NZ];
     if (curved) {
         vf a = disc[ISO_DISC_A], b = row->b + disc[ISO_DISC_BX] * at[0];
-        if (some) {
+        if (v_mask(exact)) {
+            const vf along = disc[ISO_DISC_NX] * ray[0] + disc[ISO_DISC_NY] * ray[1] + disc[ISO_DISC_NZ];
             vf sd[3];
             apply_operator(disc + ISO_DISC_XX, (const vf[3]){ray[0], ray[1], v_set(1)}, sd);
             a = v_select(exact, ray[0] * sd[0] + ray[1] * sd[1] + sd[2], a);
@@ -575,17 +577,11 @@ ISO_INLINE rf_hit intersect(const iso_discs_params *params, const vf *disc, cons
         hit_at_depth(params, disc, at, ray, c / (v_sqrt(b * b - a * c) - b), &hit);
         return hit;
     }
-    hit.q[2] = dx * disc[ISO_DISC_FLAT_X] + row->b;
+    const vf depth = dx * disc[ISO_DISC_FLAT_X] + row->b,
+             nearer = 1 / v_max(1 - depth * disc[ISO_DISC_FLAT_NEAR], v_set(1e-15f));
+    hit.q[2] = depth * nearer;
     for (int k = 0; k < 2; k++) hit.q[k] = at[k] + hit.q[2] * ray[k];
-    hit.far = dx * (row->c1 + disc[ISO_DISC_FLAT_XX] * dx) + row->c0;
-    if (some) {
-        rf_hit there;
-        hit_at_depth(params, disc, at, ray,
-                     (at[0] * disc[ISO_DISC_NX] + at[1] * disc[ISO_DISC_NY]) / v_max(-along, v_set(1e-20f)),
-                     &there);
-        for (int k = 0; k < 3; k++) hit.q[k] = v_select(exact, there.q[k], hit.q[k]);
-        hit.far = v_select(exact, there.far, hit.far);
-    }
+    hit.far = (dx * (row->c1 + disc[ISO_DISC_FLAT_XX] * dx) + row->c0) * (nearer * nearer);
     return hit;
 }
 

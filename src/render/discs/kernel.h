@@ -85,7 +85,9 @@ enum {
     ISO_DISC_FLAT_Y = ISO_DISC_BY,
     ISO_DISC_FLAT_YY = ISO_DISC_A,
     ISO_DISC_FLAT_XY,
-    ISO_DISC_LOW_X, /* the box that the disc is clipped to: voxels from its centre along the index axes */
+    ISO_DISC_FLAT_NEAR, /* 1 / depth of the centre, 1 / mm; 0: the disc is so small for its depth that rays
+                           are taken as parallel */
+    ISO_DISC_LOW_X,     /* the box that the disc is clipped to: voxels from its centre along the index axes */
     ISO_DISC_LOW_Y,
     ISO_DISC_LOW_Z,
     ISO_DISC_HIGH_X,
