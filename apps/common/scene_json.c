@@ -7,7 +7,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "apps/common/loader.h"
 #include "apps/common/value_path.h"
 #include "base/file.h"
 #include "base/file_identity.h"
@@ -15,6 +14,7 @@
 #include "base/file_types.h"
 #include "base/text.h"
 #include "image/png_text.h"
+#include "scene/loader.h"
 
 /* Larger files hold no scene, bytes. */
 enum { MOST_BYTES = 1 << 24 };

@@ -6,13 +6,13 @@
 #include <string.h>
 
 #include "apps/common/contact_sheet.h"
-#include "apps/common/loader.h"
 #include "apps/isocompare/isocompare.h"
 #include "base/file_identity.h"
 #include "base/file_types.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "image/annotate.h"
+#include "scene/loader.h"
 
 typedef struct pairs {
     isocompare_settings settings; /* of the pair that is compared, with the memory of one process */

@@ -109,11 +109,10 @@ static void print_histogram(const iso_histogram *histogram) {
 }
 
 static void print_isovalues(const iso_loader *loader) {
-    double candidates[ISO_ISOVALUE_CANDIDATES];
-    size_t count = iso_isovalue_suggest(&loader->volume.grid, &loader->histogram, candidates);
+    const size_t count = loader->candidate_count;
     printf("  %-11s ", "isovalues");
     if (count == 0) printf("none: the volume is constant");
-    for (size_t i = 0; i < count; i++) printf("%s%.6g", i ? ", " : "", candidates[i]);
+    for (size_t i = 0; i < count; i++) printf("%s%.6g", i ? ", " : "", loader->candidates[i]);
     if (count > 0)
         printf(iso_grid_is_level_set(&loader->volume.grid) ? " (level set)"
                                                            : " (Otsu; then two of three classes)");

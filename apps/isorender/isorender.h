@@ -4,7 +4,6 @@
 #define ISO_APPS_ISORENDER_ISORENDER_H
 
 #include "apps/common/json.h"
-#include "apps/common/loader.h"
 #include "apps/isorender/backend.h"
 #include "apps/isorender/instances.h"
 #include "apps/isorender/objects.h"
@@ -14,6 +13,7 @@
 #include "clouds/cloud.h"
 #include "grids/parts/components.h"
 #include "scene/gl_scene.h"
+#include "scene/loader.h"
 #include "scene/picture.h"
 
 /* One isosurface, of the input or of a further volume. */
@@ -79,10 +79,10 @@ struct isorender_job {
     int surface_count, input_surface_count;
     isorender_object objects[ISORENDER_OBJECTS]; /* their surface numbers follow those of the surfaces */
     int object_count;
-    bool translucent;                            /* at least one surface or object is */
-    isorender_instances instances;               /* of the input's surfaces */
-    struct isorender_segmentation *segmentation; /* of --labels and --smooth; NULL: none */
-    iso_gl_scene gl;                             /* with backend->engine */
+    bool translucent;                      /* at least one surface or object is */
+    isorender_instances instances;         /* of the input's surfaces */
+    struct iso_segmentation *segmentation; /* of --labels and --smooth; NULL: none */
+    iso_gl_scene gl;                       /* with backend->engine */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count; /* of all surfaces */
     iso_box bounds_local, bounds_world;                                       /* mm */
     iso_box bounds_framed; /* of what the camera frames: without a few points far from the others */

@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "apps/common/loader.h"
 #include "apps/common/page.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/backend.h"
@@ -27,6 +26,7 @@
 #include "io/mesh/mesh_read.h"
 #include "io/mesh/mesh_write.h"
 #include "scene/glass.h"
+#include "scene/loader.h"
 
 iso_status isorender_settings_add_object(isorender_settings *settings, isorender_object_kind kind,
                                          const char *path, iso_error *error) {

@@ -183,7 +183,7 @@ static void log_page(const isorender_job *job, const iso_page_written *written) 
 /* The labels of the page; items: of all, to be filled. */
 static iso_page_labels labels_of(const isorender_job *job, const iso_page_surface *groups,
                                  iso_page_label *items) {
-    const isorender_segmentation *s = job->segmentation;
+    const iso_segmentation *s = job->segmentation;
     iso_page_labels made = {.transform = &s->labels.transform,
                             .number = s->labels.number,
                             .items = items,
@@ -234,7 +234,7 @@ iso_status isorender_page_write(isorender_job *job, const iso_image *image, cons
     ISO_TRY(check_grid(job, path, error));
     const int isosurfaces = job->input_surface_count;
     iso_rgrid *grid = isosurfaces ? job->surfaces[0].scene.grid.rgrid : NULL;
-    const isorender_segmentation *s = job->segmentation;
+    const iso_segmentation *s = job->segmentation;
     iso_page_label *items = s ? calloc((size_t)s->labels.count, sizeof *items) : NULL;
     if (s && !items) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     const iso_page_labels labels = s ? labels_of(job, surfaces + isosurfaces, items) : (iso_page_labels){0};

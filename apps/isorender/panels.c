@@ -4,13 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/common/input_spool.h"
 #include "apps/common/picture_grid.h"
 #include "apps/common/template.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/scene_file.h"
 #include "base/memory.h"
 #include "image/font.h"
+#include "scene/input_spool.h"
 
 enum { PANELS = 26, TITLE = 160 }; /* letters a to z */
 

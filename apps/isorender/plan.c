@@ -3,13 +3,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/common/loader.h"
 #include "apps/common/template.h"
 #include "apps/isorender/plan.h"
 #include "base/file.h"
 #include "image/exr.h"
 #include "image/image_file.h"
 #include "image/video.h"
+#include "scene/loader.h"
 
 /* The name of what there is one of for every frame. The name of a single picture is complete. That of several
  * of an input stays a template, with {model}: the input's name may have braces of its own. */

@@ -19,30 +19,24 @@ static bool is_of_input(const isorender_job *job, const isorender_surface *surfa
     return surface->loader == &job->loader;
 }
 
-static iso_status suggest_isovalue(isorender_job *job, isorender_surface *surface, iso_error *error) {
-    iso_loader *loader = surface->loader;
+/* Says which isovalue was chosen. */
+static void log_isovalue(isorender_job *job, const isorender_surface *surface) {
+    const iso_loader *loader = surface->loader;
+    const double *candidates = loader->candidates;
     /* The input is named already. */
     const bool is_input = is_of_input(job, surface), is_channel = loader->options->channel;
     char title[ISORENDER_CHANNEL_TITLE];
     const char *name = is_channel ? isorender_channel_title(loader, title) : is_input ? "" : loader->input;
     const char *colon = *name ? ": " : "";
-    ISO_TRY(iso_loader_histogram(loader, error));
-    double candidates[ISO_ISOVALUE_CANDIDATES];
-    size_t count = iso_isovalue_suggest(&loader->volume.grid, &loader->histogram, candidates);
-    if (count == 0)
-        return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
-                        loader->histogram.minimum);
-    surface->scene.isovalue = candidates[0];
-    if (job->isovalue_logged && is_input) return ISO_OK;
+    if (job->isovalue_logged && is_input) return;
     job->isovalue_logged |= is_input;
     if (iso_grid_is_level_set(&loader->volume.grid))
         isorender_log(job, "%s%sisovalue %g (a level set)", name, colon, candidates[0]);
-    else if (count < ISO_ISOVALUE_CANDIDATES)
+    else if (loader->candidate_count < ISO_ISOVALUE_CANDIDATES)
         isorender_log(job, "%s%sisovalue %g (Otsu's threshold, 1979)", name, colon, candidates[0]);
     else
         isorender_log(job, "%s%sisovalue %g (Otsu's threshold, 1979); next candidates: %g and %g", name,
                       colon, candidates[0], candidates[1], candidates[2]);
-    return ISO_OK;
 }
 
 /* Within a voxel of the end of the narrow band, neighbouring values are clamped. */
@@ -71,13 +65,15 @@ static iso_status choose_isovalue(isorender_job *job, isorender_surface *surface
                                   iso_error *error) {
     iso_loader *loader = surface->loader;
     double given = chosen.value;
+    bool is_chosen;
     if (chosen.sigma && !loader->has_points) ISO_TRY(find_sigma(job, loader, chosen.value, &given, error));
-    surface->scene.isovalue = isnan(given) ? loader->scene_isovalue : given;
+    surface->scene.isovalue = given;
     if (loader->has_points) return ISO_OK;
-    if (isnan(surface->scene.isovalue)) return suggest_isovalue(job, surface, error);
-    if (isnan(given)) return ISO_OK;
-    ISO_TRY(iso_isovalue_check(&loader->volume.grid, given, error));
-    warn_of_band_end(job, surface);
+    ISO_TRY(iso_loader_isovalue(loader, given, &surface->scene.isovalue, &is_chosen, error));
+    if (is_chosen)
+        log_isovalue(job, surface);
+    else if (!isnan(given))
+        warn_of_band_end(job, surface);
     return ISO_OK;
 }
 

@@ -24,7 +24,7 @@ extern "C" {
 /* Opens a regular file for reading; *stream is the caller's (fclose), *bytes (may be NULL) its size.
  * ISO_ERR_IO: it cannot be opened, or is not a regular file. A FIFO is left unopened, because its writer
  * would go on, and fail when it is closed; a device may never end. An input that may be a FIFO is copied to a
- * file first (apps/common/input_spool.h). */
+ * file first (scene/input_spool.h). */
 iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error);
 
 /* The same, for what reads from a descriptor, which is the caller's (close). */

@@ -26,7 +26,6 @@ compare/transparency.h               isocompare
 compare/visible_points.h             isocompare
 exact/exact.h                        isosculpt
 exact/layers.h                       isosculpt
-extract/isovalue/isovalue.h          common
 extract/lines/mesh_lines.h           isorender
 extract/mesh/mesh.h                  isosculpt
 extract/mesh/mesh_edit.h             isorender
@@ -40,21 +39,15 @@ grids/closing/closed_mesh.h          isosculpt
 grids/grid.h                         isosculpt
 grids/hgrid.h                        isosculpt
 grids/kept.h                         common
-grids/labels/label_fields.h          isorender
-grids/labels/label_names.h           isorender
-grids/labels/labels.h                isorender
 grids/level_set.h                    isosculpt
 grids/parts/closed.h                 isorender isosculpt
 grids/parts/components.h             common isorender isosculpt
 grids/rgrid.h                        isosculpt
-grids/scenes/scenes.h                common isorender
 grids/volume/bridge_guard.hpp        isosculpt
-grids/volume/input.h                 common
 grids/volume/module.h                isorender mpi
 grids/volume/npy_header.h            isorender
-grids/volume/tiled.h                 common
 grids/volume/vectors_read.h          isorender
-grids/volume/volume.h                common isorender
+grids/volume/volume.h                isorender
 grids/volume_index.h                 isorender
 image/annotate.h                     common isocompare isorender
 image/camera.h                       isosculpt
@@ -67,13 +60,12 @@ image/png_text.h                     common
 image/video.h                        isorender
 io/chunk_export.h                    isorender
 io/common/read_opts.h                common isorender
-io/file_contents.h                   common isorender isosculpt
-io/glyphs/glyphs_read.h              common isorender isosculpt
-io/glyphs/mapped_points.h            common
+io/file_contents.h                   isorender isosculpt
+io/glyphs/glyphs_read.h              isorender isosculpt
 io/glyphs/placements_read.h          isorender
 io/key_file.h                        isorender
 io/lines/lines_read.h                isorender isosculpt
-io/mesh/mesh_read.h                  isocompare isorender isosculpt
+io/mesh/mesh_read.h                  isorender isosculpt
 io/mesh/mesh_write.h                 isorender isosculpt
 io/points_write.h                    isorender isosculpt
 render/gl/canvas.h                   isosculpt
@@ -88,7 +80,6 @@ sculpt/brush/dab.h                   isosculpt
 sculpt/session/session.h             isosculpt
 source/label.h                       isosculpt
 source/source.h                      isosculpt
-source/strokes.h                     common
 """
 
 

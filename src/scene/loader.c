@@ -1,6 +1,6 @@
 /* Opens and reads the inputs of the programs: volume files, procedural scenes, files of points, and any of
  * these files on standard input. */
-#include "apps/common/loader.h"
+#include "scene/loader.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,8 +8,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "apps/common/options.h"
 #include "base/memory.h"
+#include "base/parse.h"
 #include "grids/scenes/scenes.h"
 #include "grids/volume/tiled.h"
 #include "io/file_contents.h"
@@ -382,6 +382,7 @@ iso_status iso_loader_histogram_together(iso_loader *loader, const iso_ranks *ra
         ISO_TRY(iso_histogram_of_source(&source, iso_loader_chunk_side(loader, 0), ranks, loader->pool,
                                         &loader->histogram, error));
     }
+    loader->candidate_count = iso_isovalue_suggest(grid, &loader->histogram, loader->candidates);
     loader->has_histogram = true;
     return ISO_OK;
 }
@@ -389,6 +390,21 @@ iso_status iso_loader_histogram_together(iso_loader *loader, const iso_ranks *ra
 iso_status iso_loader_histogram(iso_loader *loader, iso_error *error) {
     const iso_ranks alone = {.size = 1};
     return loader->has_histogram ? ISO_OK : iso_loader_histogram_together(loader, &alone, error);
+}
+
+iso_status iso_loader_isovalue(iso_loader *loader, double given, double *isovalue, bool *chosen,
+                               iso_error *error) {
+    *chosen = false;
+    *isovalue = isnan(given) ? loader->scene_isovalue : given;
+    if (!isnan(given)) return iso_isovalue_check(&loader->volume.grid, given, error);
+    if (!isnan(*isovalue)) return ISO_OK;
+    ISO_TRY(iso_loader_histogram(loader, error));
+    if (!loader->candidate_count)
+        return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
+                        loader->histogram.minimum);
+    *isovalue = loader->candidates[0];
+    *chosen = true;
+    return ISO_OK;
 }
 
 iso_status iso_loader_moments(iso_loader *loader, const iso_ranks *ranks, iso_error *error) {
