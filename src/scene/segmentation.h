@@ -33,24 +33,25 @@ typedef struct iso_segmentation {
     iso_label_colors shared; /* of the surface that the opaque labels share, group 1 */
 } iso_segmentation;
 
-/* Reads the voxels and what the file states of its labels: of segments in layers the other layers, too, unless
- * one is chosen. Errors of iso_loader_read, iso_label_names_of_file and iso_labels_make. */
+/* Reads the voxels and what the file states of its labels: of segments in layers the other layers, too,
+ * unless one is chosen. Errors of iso_loader_read, iso_label_names_of_file and iso_labels_make. */
 iso_status iso_segmentation_read(iso_segmentation *s, iso_error *error);
 
-/* Makes `labels`, in place of the voxels, and `items`: names and colours of the table in a file (NULL: none),
- * then of the labels' file, then usual ones. *missing, *first: how many labels the table lacks, and the first
- * of them. Errors of iso_label_names_read and iso_labels_make. */
+/* Makes `labels`, in place of the voxels, and `items`: names and colours of the table in a file (NULL:
+ * none), then of the labels' file, then usual ones. *missing, *first: how many labels the table lacks, and
+ * the first of them. Errors of iso_label_names_read and iso_labels_make. */
 iso_status iso_segmentation_name(iso_segmentation *s, const char *table, int *missing, int *first,
                                  iso_error *error);
 
-/* Whether the labels are the many values of a scan, whose neighbours along x mostly differ: to draw them takes
- * minutes and shows nothing. Not if the file states names. */
+/* Whether the labels are the many values of a scan, whose neighbours along x mostly differ: to draw them
+ * takes minutes and shows nothing. Not if the file states names. */
 bool iso_segmentation_is_scan(const iso_segmentation *s);
 
-/* Divides the labels into groups: 1 of all opaque ones, if there are some, and one of each translucent one. */
+/* Divides the labels into groups: 1 of all opaque ones, if there are some, and one of each translucent one.
+ * */
 void iso_segmentation_divide(iso_segmentation *s);
-/* Makes the level sets of the groups, of which there are 1 .. ISO_LABEL_GROUPS, and `shared`. `places`: ISO_LABELS_DRAWN ..
- * ISO_ERR_NOMEM. */
+/* Makes the level sets of the groups, of which there are 1 .. ISO_LABEL_GROUPS, and `shared`. `places`:
+ * ISO_LABELS_DRAWN .. ISO_ERR_NOMEM. */
 iso_status iso_segmentation_make_fields(iso_segmentation *s, int places, iso_error *error);
 
 /* Is given the mesh of label `label`, a place in the list of labels; it may keep it, and set *weld to zeros.
@@ -69,8 +70,8 @@ iso_status iso_segmentation_measure(const iso_segmentation *s, iso_mesh_measures
 
 void iso_segmentation_free(iso_segmentation *s);
 
-/* How many values a volume has that seems to be a mask (2) or labels (more), and *last, the largest of them; 0:
- * it seems to be neither. */
+/* How many values a volume has that seems to be a mask (2) or labels (more), and *last, the largest of them;
+ * 0: it seems to be neither. */
 int iso_segmentation_guess(const iso_rgrid *grid, int *last);
 
 #endif
