@@ -13,8 +13,8 @@
 #include "base/file_set.h"
 #include "base/file_types.h"
 #include "base/text.h"
-#include "image/png_text.h"
 #include "scene/loader.h"
+#include "scene/picture_file.h"
 
 /* Larger files hold no scene, bytes. */
 enum { MOST_BYTES = 1 << 24 };

@@ -10,11 +10,11 @@
 #include "base/html.h"
 #include "base/parse.h"
 #include "compare/surfaces.h"
-#include "image/annotate.h"
 #include "scene/coloring.h"
 #include "scene/distances.h"
 #include "scene/loader.h"
 #include "scene/picture.h"
+#include "scene/picture_file.h"
 
 enum { VIEWS = 2 };
 

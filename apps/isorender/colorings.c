@@ -44,7 +44,7 @@ iso_status isorender_apply_surface_color_by(void *target, const char *value, iso
 /* The number of things whose --colormap and --range come before those of colorings. */
 static int columns_of(const isorender_object_options *options) {
     int count = options->has_cloud;
-    for (int i = 0; i < options->count; i++) count += options->kinds[i] != ISORENDER_MESH;
+    for (int i = 0; i < options->count; i++) count += options->kinds[i] != ISO_OBJECT_MESH;
     return count;
 }
 
@@ -163,7 +163,7 @@ static const char *reason_against(const isorender_job *job, const color_source *
                : source->file.vertices.values          ? "it has no vertices, as a mesh of --surface has"
                                                        : NULL;
     const isorender_object *object = &job->objects[thing - job->surface_count];
-    if (object->settings->kind != ISORENDER_MESH || object->scene.shapes)
+    if (object->settings->kind != ISO_OBJECT_MESH || object->scene.shapes)
         return "it is lines or glyphs: --color-by colours them";
     if (source->settings->source == ISO_COLOR_BY_CURVATURE)
         return "it is a mesh, which has no field to take it from";
@@ -272,14 +272,14 @@ static iso_status make_field(isorender_job *job, const color_source *source, int
     const isorender_object *object = &job->objects[thing - job->surface_count];
     const iso_vertex_values *given = &source->file.vertices;
     iso_vertex_field **field = &job->colorings->fields[thing];
-    if (given->count != object->mesh.vertex_count)
+    if (given->count != object->file.mesh.vertex_count)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: has numbers of %zu vertices: %s has %zu",
                         source->settings->path, given->count, object->settings->path,
-                        object->mesh.vertex_count);
+                        object->file.mesh.vertex_count);
     iso_vertex_field_destroy(*field);
     *field = NULL;
-    return iso_vertex_field_create(&object->mesh, given->values, (const uint8_t(*)[3])given->colors, field,
-                                   error);
+    return iso_vertex_field_create(&object->file.mesh, given->values, (const uint8_t(*)[3])given->colors,
+                                   field, error);
 }
 
 static iso_coloring make_coloring(const isorender_job *job, const color_source *source, int thing) {

@@ -5,7 +5,6 @@
 #include "apps/isorender/channels.h"
 #include "apps/isorender/labels.h"
 #include "base/text.h"
-#include "image/annotate.h"
 
 /* 1234567 bytes as "1.2 MB". */
 static void print_bytes(uint64_t bytes) {

@@ -11,10 +11,10 @@
 #include "apps/isorender/progress.h"
 #include "apps/isorender/settings.h"
 #include "clouds/cloud.h"
-#include "grids/parts/components.h"
 #include "scene/gl_scene.h"
 #include "scene/loader.h"
 #include "scene/picture.h"
+#include "scene/solid.h"
 
 /* One isosurface, of the input or of a further volume. */
 typedef struct isorender_surface {
@@ -239,8 +239,8 @@ iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surfac
 uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint64_t grid_bytes);
 /* The surface's welded mesh as it is exported; iso_weld_free when done. Measured into surface->measures for
  * --json, --verbose, and the line that says that the mesh was written. */
-iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
-                               iso_error *error);
+iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface,
+                               const iso_coloring *coloring, iso_weld *weld, iso_error *error);
 /* Adds members about parts and mesh to the report of --json: of the first surface and, if there are several,
  * of each. */
 void isorender_report_solid(iso_json *json, const isorender_job *job);

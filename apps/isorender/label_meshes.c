@@ -4,8 +4,6 @@
 #include <stdlib.h>
 
 #include "apps/isorender/segmentation.h"
-#include "extract/mesh/mesh_edit.h"
-#include "io/mesh/mesh_write.h"
 
 typedef struct writing {
     isorender_job *job;

@@ -204,7 +204,7 @@ static iso_status list_lines(const isorender_job *job, const char *path, iso_pag
     const isorender_line_pixels pixels = {job->settings->line_min_pixels, job->settings->line_drop_pixels};
     for (int i = 0; i < job->object_count; i++) {
         const isorender_object *object = &job->objects[i];
-        if (object->settings->kind != ISORENDER_LINES)
+        if (object->settings->kind != ISO_OBJECT_LINES)
             return iso_fail(
                 error, ISO_ERR_UNSUPPORTED,
                 "%s: a page has lines, but no triangles: not all of the mesh in --lines has become lines",

@@ -12,7 +12,6 @@
 #include "apps/isorender/segmentation.h"
 #include "base/file.h"
 #include "base/memory.h"
-#include "image/annotate.h"
 
 static void put_vector(iso_json *json, const char *key, iso_vec3 v) {
     const double values[3] = {v.x, v.y, v.z};

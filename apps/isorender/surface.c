@@ -9,8 +9,6 @@
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/label_meshes.h"
 #include "apps/isorender/segmentation.h"
-#include "io/mesh/mesh_write.h"
-#include "io/points_write.h"
 #include "scene/bounds.h"
 
 /* ---- which isovalues ---- */
@@ -427,7 +425,8 @@ static iso_status prepare_objects(isorender_job *job, iso_error *error) {
         else if (!object->settings->colored)
             object->scene.color = iso_shading_palette(job->surface_count + i);
         ISO_TRY(isorender_object_prepare(object, &pixels, job->renderer->can & ISO_CAN_PYRAMID, error));
-        if (!object->whole) log_beside(job, object->settings->path, &object->bounds, object->report.space);
+        if (!object->whole)
+            log_beside(job, object->settings->path, &object->bounds, object->file.report.space);
         object->scene.translucency = isorender_translucency(job->settings, object->settings->opacity);
         object->scene.in_pyramid = job->settings->one_pyramid && shares_pyramid(object);
         job->translucent |= object->settings->opacity < 1;
@@ -487,7 +486,7 @@ static iso_status measure_meshes(isorender_job *job, iso_error *error) {
     for (int i = 0; i < job->input_surface_count && measured && !job->plan->mesh; i++) {
         iso_weld weld;
         if (!job->surfaces[i].scene.mesh) continue;
-        ISO_TRY(isorender_mesh_weld(job, &job->surfaces[i], &weld, error));
+        ISO_TRY(isorender_mesh_weld(job, &job->surfaces[i], NULL, &weld, error));
         iso_weld_free(&weld);
     }
     return ISO_OK;
@@ -517,11 +516,8 @@ static iso_status export_meshes(isorender_job *job, const char *comment, iso_err
                                            .name = names[count],
                                            .color = &surface->color,
                                            .opacity = (double)surface->translucency.opacity};
-        status = isorender_mesh_weld(job, surface, &welds[count], error);
         const iso_coloring *coloring = isorender_colorings_exported(job, surface, "--mesh");
-        if (status == ISO_OK && coloring)
-            status = iso_coloring_weld(coloring, iso_grid_transform(&surface->scene.grid), job->pool,
-                                       &welds[count], error);
+        status = isorender_mesh_weld(job, surface, coloring, &welds[count], error);
         count++;
     }
     if (status == ISO_OK) status = iso_mesh_write_objects(job->plan->mesh, objects, count, comment, error);
@@ -532,16 +528,9 @@ static iso_status export_meshes(isorender_job *job, const char *comment, iso_err
 
 static iso_status export_points(isorender_job *job, const char *comment, iso_error *error) {
     iso_point_view view = iso_scene_surface_points(&job->surfaces[0].scene);
-    uint8_t(*colors)[3] = NULL;
     if (job->loader.has_points) view.opacities = job->cloud.opacities; /* also when drawn opaque */
     const iso_coloring *coloring = isorender_colorings_exported(job, &job->surfaces[0], "--points");
-    if (coloring) {
-        ISO_TRY(iso_coloring_points(coloring, &view, job->pool, &colors, error));
-        view.colors = (const uint8_t(*)[3])colors;
-    }
-    const iso_status status = iso_points_write_ply(job->plan->points, &view, comment, error);
-    iso_free(colors);
-    return status;
+    return iso_solid_write_points(job->plan->points, &view, coloring, job->pool, comment, error);
 }
 
 iso_status isorender_export(isorender_job *job, iso_error *error) {

@@ -373,17 +373,23 @@ iso_status iso_loader_count_nonfinite(iso_loader *loader, iso_error *error) {
                                             &loader->nonfinite, error);
 }
 
+void iso_loader_set_histogram(iso_loader *loader, const iso_histogram *histogram) {
+    loader->histogram = *histogram;
+    loader->candidate_count = iso_isovalue_suggest(&loader->volume.grid, histogram, loader->candidates);
+    loader->has_histogram = true;
+}
+
 iso_status iso_loader_histogram_together(iso_loader *loader, const iso_ranks *ranks, iso_error *error) {
     const iso_grid *grid = &loader->volume.grid;
+    iso_histogram histogram;
     if (!iso_loader_has_tiles(loader)) {
-        ISO_TRY(iso_histogram_compute_together(grid, ranks, loader->pool, &loader->histogram, error));
+        ISO_TRY(iso_histogram_compute_together(grid, ranks, loader->pool, &histogram, error));
     } else {
         const iso_chunk_source source = iso_volume_source(grid->rgrid);
         ISO_TRY(iso_histogram_of_source(&source, iso_loader_chunk_side(loader, 0), ranks, loader->pool,
-                                        &loader->histogram, error));
+                                        &histogram, error));
     }
-    loader->candidate_count = iso_isovalue_suggest(grid, &loader->histogram, loader->candidates);
-    loader->has_histogram = true;
+    iso_loader_set_histogram(loader, &histogram);
     return ISO_OK;
 }
 

@@ -120,6 +120,9 @@ iso_status iso_loader_histogram(iso_loader *loader, iso_error *error);
 /* The same by several processes that call it together, each of which reads a share of the voxels. */
 iso_status iso_loader_histogram_together(iso_loader *loader, const iso_ranks *ranks, iso_error *error);
 
+/* Takes a histogram of the volume that is known already. */
+void iso_loader_set_histogram(iso_loader *loader, const iso_histogram *histogram);
+
 /* Computes `moments`, unless they exist already, by several processes that call it together, or by one: NULL.
  * ISO_ERR_EMPTY: no voxel is finite. */
 iso_status iso_loader_moments(iso_loader *loader, const iso_ranks *ranks, iso_error *error);
