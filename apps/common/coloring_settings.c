@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "apps/common/value_path.h"
-#include "base/file_types.h"
 #include "base/parse.h"
 
 iso_status iso_colormap_choice_parse(const char *value, iso_colormap_choice *map, iso_error *error) {
@@ -118,27 +117,10 @@ iso_status iso_coloring_settings_parse(const char *value, iso_coloring_settings 
     return ISO_OK;
 }
 
-bool iso_coloring_settings_is_from_mesh(const iso_coloring_settings *settings) {
-    const unsigned holds = ISO_HOLDS_MESH | ISO_HOLDS_VOLUME;
-    if (settings->source != ISO_COLOR_BY_DISTANCE || iso_loader_is_scene(settings->path)) return false;
-    const iso_file_type type = iso_file_type_find(settings->path, holds);
-    return type != ISO_FILE_UNKNOWN && (iso_file_type_holds(type) & ISO_HOLDS_MESH);
-}
-
-iso_status iso_coloring_settings_isovalue(const iso_coloring_settings *settings, iso_loader *loader,
-                                          double *isovalue, bool *chosen, iso_error *error) {
-    const iso_grid *grid = &loader->volume.grid;
-    double candidates[ISO_ISOVALUE_CANDIDATES];
-    *chosen = false;
-    *isovalue = settings->isovalue;
-    if (!isnan(*isovalue)) return iso_isovalue_check(grid, *isovalue, error);
-    *isovalue = loader->scene_isovalue;
-    if (!isnan(*isovalue)) return ISO_OK;
-    ISO_TRY(iso_loader_histogram(loader, error));
-    if (!iso_isovalue_suggest(grid, &loader->histogram, candidates))
-        return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
-                        loader->histogram.minimum);
-    *isovalue = candidates[0];
-    *chosen = true;
-    return ISO_OK;
+iso_color_file iso_coloring_settings_file(const iso_coloring_settings *settings) {
+    const bool distance = settings->source == ISO_COLOR_BY_DISTANCE;
+    return (iso_color_file){.path = settings->path,
+                            .source = settings->source,
+                            .array = distance || !settings->rest[0] ? NULL : settings->rest,
+                            .isovalue = settings->isovalue};
 }

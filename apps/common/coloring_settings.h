@@ -3,9 +3,8 @@
 #ifndef ISO_APPS_COMMON_COLORING_SETTINGS_H
 #define ISO_APPS_COMMON_COLORING_SETTINGS_H
 
-#include "apps/common/loader.h"
 #include "base/unit.h"
-#include "scene/coloring.h"
+#include "scene/color_file.h"
 #include "scene/cuts.h"
 
 enum { ISO_COLORING_PATH = 1024 };
@@ -39,14 +38,8 @@ typedef struct iso_coloring_settings {
  * ISO_ERR_USAGE. */
 iso_status iso_coloring_settings_parse(const char *value, iso_coloring_settings *coloring, iso_error *error);
 
-/* Whether distances are from a mesh; else they are from a volume's isosurface. */
-bool iso_coloring_settings_is_from_mesh(const iso_coloring_settings *settings);
-
-/* The isovalue of the volume that distances are from, which has been read: the one given, a scene's own, or
- * one that is chosen, *chosen. ISO_ERR_USAGE: not one of the volume's values; ISO_ERR_EMPTY: it is constant;
- * errors of iso_loader_histogram. */
-iso_status iso_coloring_settings_isovalue(const iso_coloring_settings *settings, iso_loader *loader,
-                                          double *isovalue, bool *chosen, iso_error *error);
+/* The file that is named, to be opened, if settings->path is not empty. Borrows the settings. */
+iso_color_file iso_coloring_settings_file(const iso_coloring_settings *settings);
 
 /* Sets the title of a bar: the name of what is shown, with its unit. */
 void iso_coloring_settings_title(const iso_coloring_settings *settings, iso_world_unit world,

@@ -16,8 +16,7 @@
 #include "base/html.h"
 #include "base/parse.h"
 #include "base/text.h"
-#include "image/image_file.h"
-#include "image/png_text.h"
+#include "scene/picture_file.h"
 
 /* ---- processes */
 

@@ -12,7 +12,7 @@
 
 #include "apps/common/json.h"
 #include "apps/common/options.h"
-#include "apps/common/picture_grid.h"
+#include "scene/picture_grid.h"
 
 enum { ISO_SHEET_VALUES = 8 };
 

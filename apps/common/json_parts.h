@@ -3,7 +3,7 @@
 #define ISO_APPS_COMMON_JSON_PARTS_H
 
 #include "apps/common/json.h"
-#include "grids/parts/components.h"
+#include "scene/solid.h"
 
 /* Writes which parts of the solid were kept and dropped. Their volumes (mm3) are those of the voxels
  * inside, each of which counts whole: a mesh's volume is what its triangles enclose, which is less by half

@@ -7,14 +7,14 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "apps/common/loader.h"
 #include "apps/common/value_path.h"
 #include "base/file.h"
 #include "base/file_identity.h"
 #include "base/file_set.h"
 #include "base/file_types.h"
 #include "base/text.h"
-#include "image/png_text.h"
+#include "scene/loader.h"
+#include "scene/picture_file.h"
 
 /* Larger files hold no scene, bytes. */
 enum { MOST_BYTES = 1 << 24 };

@@ -7,7 +7,7 @@
 #define ISO_APPS_COMMON_SETTINGS_H
 
 #include "apps/common/options.h"
-#include "grids/volume/input.h"
+#include "scene/loader.h"
 
 enum { ISO_RECORD_SIZE = 4096 };
 

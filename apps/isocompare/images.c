@@ -8,8 +8,7 @@
 #include "base/file_types.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "image/exr.h"
-#include "image/image.h"
+#include "scene/picture_file.h"
 
 /* One picture of the comparison, and its files. */
 typedef struct side {
@@ -160,8 +159,8 @@ static iso_status write_difference(const comparison *c, iso_error *error) {
         memset(image.rgba + 4 * i, (int)(c->map[i] * 255 + 0.5f), 3);
         image.rgba[4 * i + 3] = 255;
     }
-    const iso_png_text text = {"Description", "LDR-FLIP, 0 black, 1 white"};
-    iso_status status = iso_png_write(c->settings->difference, &image, &text, 1, error);
+    const iso_picture_facts facts = {.description = "LDR-FLIP, 0 black, 1 white"};
+    const iso_status status = iso_picture_file_write(c->settings->difference, &image, NULL, &facts, error);
     iso_image_free(&image);
     return status;
 }

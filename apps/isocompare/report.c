@@ -36,23 +36,12 @@ static char *path_of(const char *folder, int file) {
 }
 
 static iso_status choose_isovalue(report *r, iso_error *error) {
-    iso_scene_surface *surface = &r->surface;
-    if (!isnan(r->settings->isovalue)) {
-        surface->isovalue = r->settings->isovalue;
-        r->isovalue_from = "given";
-        return iso_isovalue_check(&r->loader.volume.grid, surface->isovalue, error);
-    } else if (!isnan(r->loader.scene_isovalue)) {
-        surface->isovalue = r->loader.scene_isovalue;
-        r->isovalue_from = "the scene's";
-    } else {
-        double candidates[ISO_ISOVALUE_CANDIDATES];
-        ISO_TRY(iso_loader_histogram(&r->loader, error));
-        if (iso_isovalue_suggest(&r->loader.volume.grid, &r->loader.histogram, candidates) == 0)
-            return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant");
-        surface->isovalue = candidates[0];
-        r->isovalue_from =
-            iso_grid_is_level_set(&r->loader.volume.grid) ? "a level set's" : "Otsu's threshold (1979)";
-    }
+    bool chosen;
+    ISO_TRY(iso_loader_isovalue(&r->loader, r->settings->isovalue, &r->surface.isovalue, &chosen, error));
+    r->isovalue_from = !isnan(r->settings->isovalue)                   ? "given"
+                       : !chosen                                       ? "the scene's"
+                       : iso_grid_is_level_set(&r->loader.volume.grid) ? "a level set's"
+                                                                       : "Otsu's threshold (1979)";
     return ISO_OK;
 }
 

@@ -2,13 +2,13 @@
 #ifndef ISO_APPS_ISOCOMPARE_REPORT_H
 #define ISO_APPS_ISOCOMPARE_REPORT_H
 
-#include "apps/common/loader.h"
 #include "apps/isocompare/isocompare.h"
 #include "compare/cost.h"
 #include "compare/splat_cost.h"
 #include "compare/stroke_cost.h"
 #include "compare/transparency.h"
 #include "compare/visible_points.h"
+#include "scene/loader.h"
 #include "scene/method.h"
 
 enum { REPORT_ZOOMS = 3, REPORT_METHODS = 16 };

@@ -6,13 +6,12 @@
 #include <string.h>
 
 #include "apps/common/contact_sheet.h"
-#include "apps/common/loader.h"
 #include "apps/isocompare/isocompare.h"
 #include "base/file_identity.h"
 #include "base/file_types.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "image/annotate.h"
+#include "scene/loader.h"
 
 typedef struct pairs {
     isocompare_settings settings; /* of the pair that is compared, with the memory of one process */
@@ -129,9 +128,7 @@ iso_status isocompare_sheet(const isocompare_settings *given, int *code, iso_err
         .table = true,
         .note = "Each picture shows the first surface, coloured by its distance from the second, below "
                 "0 inside it; the range is the 95th percentile of the pair.",
-        .grid = {.panel = {given->side, given->side},
-                 .font = iso_annotation_font_size(0, given->side, given->side),
-                 .background = given->background},
+        .grid = {.panel = {given->side, given->side}, .background = given->background},
         .json = given->common.json,
         .quiet = given->common.quiet,
         .json_path = given->common.json_path,

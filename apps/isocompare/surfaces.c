@@ -4,19 +4,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/common/loader.h"
 #include "apps/isocompare/report.h"
 #include "base/file.h"
 #include "base/file_types.h"
 #include "base/html.h"
-#include "base/memory.h"
 #include "base/parse.h"
 #include "compare/surfaces.h"
-#include "image/annotate.h"
-#include "io/mesh/mesh_read.h"
 #include "scene/coloring.h"
 #include "scene/distances.h"
+#include "scene/loader.h"
 #include "scene/picture.h"
+#include "scene/picture_file.h"
 
 enum { VIEWS = 2 };
 
@@ -67,22 +65,9 @@ static bool holds_mesh(const char *path) {
            iso_file_type_holds(type) & ISO_HOLDS_MESH;
 }
 
-static iso_status choose_isovalue(side *s, iso_error *error) {
-    const iso_grid *grid = &s->loader.volume.grid;
-    double candidates[ISO_ISOVALUE_CANDIDATES];
-    if (!isnan(s->isovalue)) return iso_isovalue_check(grid, s->isovalue, error);
-    s->isovalue = s->loader.scene_isovalue;
-    if (!isnan(s->isovalue)) return ISO_OK;
-    ISO_TRY(iso_loader_histogram(&s->loader, error));
-    if (!iso_isovalue_suggest(grid, &s->loader.histogram, candidates))
-        return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
-                        s->loader.histogram.minimum);
-    s->isovalue = candidates[0];
-    return ISO_OK;
-}
-
 static iso_status read_volume(comparison *c, side *s, iso_error *error) {
     iso_weld weld;
+    bool chosen;
     s->input = (iso_input){.max_memory = c->settings->common.input.max_memory};
     s->loader = (iso_loader){.input = s->path,
                              .options = &s->input,
@@ -94,7 +79,7 @@ static iso_status read_volume(comparison *c, side *s, iso_error *error) {
     if (s->loader.has_points)
         return iso_fail(error, ISO_ERR_USAGE, "holds points: volumes and meshes are compared");
     ISO_TRY(iso_loader_read(&s->loader, error));
-    ISO_TRY(choose_isovalue(s, error));
+    ISO_TRY(iso_loader_isovalue(&s->loader, s->isovalue, &s->isovalue, &chosen, error));
     const iso_grid *grid = &s->loader.volume.grid;
     const iso_affine affine = iso_transform_affine(iso_grid_transform(grid));
     ISO_TRY(iso_isosurface_mesh(grid, s->isovalue, c->pool, &weld, error));
@@ -109,8 +94,7 @@ static iso_status read_side(comparison *c, side *s, iso_error *error) {
     s->is_mesh = holds_mesh(s->path);
     if (!s->is_mesh) return read_volume(c, s, error);
     iso_file_set_read(&c->files, s->path);
-    ISO_TRY(iso_mesh_read(s->path, NULL, &s->mesh, error));
-    return iso_distance_of_mesh(&s->mesh, &s->distance, error);
+    return iso_distance_of_mesh_file(s->path, &s->mesh, &s->distance, error);
 }
 
 static iso_status read_sides(comparison *c, iso_error *error) {
@@ -352,12 +336,7 @@ static void free_comparison(comparison *c) {
         iso_scene_surface_free(&s->surface);
         iso_scene_object_free(&s->object);
         iso_distance_destroy(s->distance);
-        if (s->is_mesh)
-            iso_triangles_free(&s->mesh);
-        else {
-            iso_free(s->mesh.vertices);
-            iso_free(s->mesh.triangles);
-        }
+        iso_triangles_free(&s->mesh);
         if (s->path && !s->is_mesh && s->loader.input) iso_loader_close(&s->loader);
         for (int view = 0; view < VIEWS; view++) free(s->pictures[view].bytes);
         free(s->path);

@@ -11,7 +11,6 @@
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/labels.h"
 #include "apps/isorender/segmentation.h"
-#include "image/font.h"
 
 /* ---- options */
 
@@ -32,7 +31,7 @@ static const char *take_place(const char *text, iso_place *place) {
 }
 
 static iso_status add_note(isorender_settings *settings, const iso_note *note, iso_error *error) {
-    if (note->text) ISO_TRY(iso_font_check(note->text, error));
+    if (note->text) ISO_TRY(iso_drawing_check_text(note->text, error));
     if (settings->note_count == ISORENDER_NOTES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d texts, arrows and rulers", ISORENDER_NOTES);
     settings->notes[settings->note_count++] = *note;
@@ -117,14 +116,14 @@ iso_status isorender_apply_legend(void *target, const char *value, iso_error *er
     isorender_settings *settings = target;
     settings->legend = 1;
     settings->legend_names = value;
-    return value ? iso_font_check(value, error) : ISO_OK;
+    return value ? iso_drawing_check_text(value, error) : ISO_OK;
 }
 
 iso_status isorender_apply_color_bar(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     settings->color_bar = 1;
     settings->bar_titles = value;
-    return value ? iso_font_check(value, error) : ISO_OK;
+    return value ? iso_drawing_check_text(value, error) : ISO_OK;
 }
 
 iso_status isorender_annotations_check(const isorender_settings *settings, iso_error *error) {

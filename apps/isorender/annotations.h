@@ -4,7 +4,7 @@
 #define ISO_APPS_ISORENDER_ANNOTATIONS_H
 
 #include "apps/isorender/settings.h"
-#include "image/drawing.h"
+#include "scene/picture_file.h"
 
 struct isorender_job;
 

@@ -217,9 +217,7 @@ static iso_status read_index(isorender_job *job, iso_error *error) {
     isorender_log_verbose(job, "%s: %zu of %zu blocks known", chunks->index_path,
                           chunks->index.ranges.count - chunks->index.ranges.unknown,
                           chunks->index.ranges.count);
-    if (!chunks->index.has_histogram) return ISO_OK;
-    job->loader.histogram = chunks->index.histogram;
-    job->loader.has_histogram = true;
+    if (chunks->index.has_histogram) iso_loader_set_histogram(&job->loader, &chunks->index.histogram);
     return ISO_OK;
 }
 

@@ -53,10 +53,10 @@ static iso_status color(isorender_job *job, iso_error *error) {
     isorender_object *object = &job->cloud_colors;
     object->settings = &job->settings->cloud;
     object->color_by = job->settings->cloud.color_by;
-    object->glyphs = job->loader.points;
+    object->file.glyphs = job->loader.points;
     const iso_status status = isorender_object_style(object, error);
-    job->loader.points = object->glyphs;
-    object->glyphs = (iso_glyphs){.count = 0};
+    job->loader.points = object->file.glyphs;
+    object->file.glyphs = (iso_glyphs){.count = 0};
     return status;
 }
 
@@ -181,9 +181,10 @@ iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
 
 /* Without a surface: the unit of all lines and glyphs. */
 static iso_world_unit unit_of_objects(const isorender_job *job) {
-    const iso_world_unit unit = job->object_count ? job->objects[0].report.unit : ISO_WORLD_UNIT_MILLIMETRE;
+    const iso_world_unit unit =
+        job->object_count ? job->objects[0].file.report.unit : ISO_WORLD_UNIT_MILLIMETRE;
     for (int i = 1; i < job->object_count; i++)
-        if (job->objects[i].report.unit != unit) return ISO_WORLD_UNIT_NONE;
+        if (job->objects[i].file.report.unit != unit) return ISO_WORLD_UNIT_NONE;
     return unit;
 }
 
@@ -227,7 +228,7 @@ void isorender_cloud_info(const isorender_job *job) {
     }
     printf("  %-11s %s\n", "colours", cloud->colors ? "of the file" : "none");
     printf("  %-11s %s\n", "opacities", cloud->opacities ? "of the file" : "none: opaque");
-    isorender_object columns = {.settings = &job->settings->cloud, .glyphs = job->loader.points};
+    isorender_object columns = {.settings = &job->settings->cloud, .file.glyphs = job->loader.points};
     isorender_object_info_columns(&columns);
 }
 

@@ -6,19 +6,11 @@
 #include <string.h>
 
 #include "apps/isorender/labels.h"
-#include "base/file_types.h"
-#include "io/mesh/mesh_read.h"
-#include "scene/distances.h"
 
 /* One value of the option with what it names. */
 typedef struct color_source {
     const iso_coloring_settings *settings;
-    iso_input input;
-    iso_loader loader; /* of a volume; not opened if there is none */
-    bool has_volume;
-    double isovalue; /* of a volume that distances are from */
-    iso_distance *distance;
-    iso_vertex_values vertices; /* of a file of such numbers */
+    iso_color_file file; /* not opened if none is named */
     iso_color_table table;
     bool ranged; /* its range is known: given, or that of the first thing that it colours */
     iso_color_bar bar;
@@ -35,7 +27,7 @@ typedef struct isorender_colorings {
 
 /* Whether its colours stand for no numbers that a bar could show. */
 static bool has_own_colors(const color_source *source) {
-    return source->settings->source == ISO_COLOR_BY_NORMAL || source->vertices.colors;
+    return source->settings->source == ISO_COLOR_BY_NORMAL || source->file.vertices.colors;
 }
 
 /* ---- options */
@@ -52,7 +44,7 @@ iso_status isorender_apply_surface_color_by(void *target, const char *value, iso
 /* The number of things whose --colormap and --range come before those of colorings. */
 static int columns_of(const isorender_object_options *options) {
     int count = options->has_cloud;
-    for (int i = 0; i < options->count; i++) count += options->kinds[i] != ISORENDER_MESH;
+    for (int i = 0; i < options->count; i++) count += options->kinds[i] != ISO_OBJECT_MESH;
     return count;
 }
 
@@ -100,41 +92,6 @@ static iso_status named(const char *path, iso_status status, iso_error *error) {
     return iso_fail(error, status, "%s: %s", path, text);
 }
 
-/* Whether the file has numbers of a mesh's vertices. */
-static bool is_vertices(const iso_coloring_settings *settings) {
-    const unsigned holds = ISO_HOLDS_VOLUME | ISO_HOLDS_VALUES;
-    return settings->source == ISO_COLOR_BY_VOLUME && !iso_loader_is_scene(settings->path) &&
-           iso_file_type_holds(iso_file_type_find(settings->path, holds)) & ISO_HOLDS_VALUES;
-}
-
-static iso_status open_source(isorender_job *job, color_source *source, iso_error *error) {
-    const iso_coloring_settings *settings = source->settings;
-    const bool distance = settings->source == ISO_COLOR_BY_DISTANCE;
-    if (!settings->path[0]) return ISO_OK;
-    if (iso_coloring_settings_is_from_mesh(settings)) {
-        iso_file_set_read(job->plan->files, settings->path);
-        return settings->rest[0]
-                   ? iso_fail(error, ISO_ERR_USAGE, "a mesh has no isovalue: %s", settings->text)
-                   : ISO_OK;
-    }
-    if (is_vertices(settings)) {
-        iso_file_set_read(job->plan->files, settings->path);
-        return ISO_OK;
-    }
-    source->input = (iso_input){.max_memory = job->settings->common.input.max_memory,
-                                .grid = distance || !settings->rest[0] ? NULL : settings->rest};
-    source->loader = (iso_loader){.input = settings->path,
-                                  .options = &source->input,
-                                  .files = job->plan->files,
-                                  .pool = job->pool,
-                                  .is_further = true,
-                                  .wants_histogram = distance && isnan(settings->isovalue)};
-    source->has_volume = true;
-    ISO_TRY(iso_loader_open(&source->loader, error));
-    if (!source->loader.has_points) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "holds points, no volume");
-}
-
 iso_status isorender_colorings_open(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     if (!settings->coloring_count) return ISO_OK;
@@ -143,51 +100,26 @@ iso_status isorender_colorings_open(isorender_job *job, iso_error *error) {
     for (int i = 0; i < settings->coloring_count; i++) {
         color_source *source = &job->colorings->sources[job->colorings->count++];
         source->settings = &settings->colorings[i];
-        ISO_TRY(named(source->settings->path, open_source(job, source, error), error));
+        source->file = iso_coloring_settings_file(source->settings);
+        if (!source->file.path[0]) continue;
+        const iso_status status = iso_color_file_open(&source->file, settings->common.input.max_memory,
+                                                      job->plan->files, job->pool, error);
+        ISO_TRY(named(source->file.path, status, error));
     }
     return ISO_OK;
-}
-
-/* The isovalue of a volume that distances are from, as that of a further volume. */
-static iso_status choose_isovalue(const isorender_job *job, color_source *source, iso_error *error) {
-    iso_loader *loader = &source->loader;
-    bool chosen;
-    ISO_TRY(iso_coloring_settings_isovalue(source->settings, loader, &source->isovalue, &chosen, error));
-    if (chosen)
-        isorender_log(job, "%s: distances from isovalue %g (%s); distance:FILE:ISOVALUE sets it",
-                      loader->input, source->isovalue,
-                      iso_grid_is_level_set(&loader->volume.grid) ? "a level set" : "Otsu's threshold, 1979");
-    return ISO_OK;
-}
-
-static iso_status read_mesh_distance(color_source *source, iso_error *error) {
-    iso_triangles mesh = {.vertices = NULL};
-    ISO_TRY(iso_mesh_read(source->settings->path, NULL, &mesh, error));
-    const iso_status status = iso_distance_of_mesh(&mesh, &source->distance, error);
-    iso_triangles_free(&mesh);
-    return status;
-}
-
-static iso_status read_volume(const isorender_job *job, color_source *source, iso_error *error) {
-    iso_loader *loader = &source->loader;
-    ISO_TRY(iso_loader_read(loader, error));
-    for (int i = 0; i < loader->volume.info.note_count; i++)
-        isorender_log(job, "note: %s: %s", loader->input, loader->volume.info.notes[i]);
-    if (source->settings->source != ISO_COLOR_BY_DISTANCE) return ISO_OK;
-    ISO_TRY(choose_isovalue(job, source, error));
-    return iso_distance_of_isosurface(&loader->volume.grid, source->isovalue, job->pool, &source->distance,
-                                      error);
 }
 
 static iso_status read_source(const isorender_job *job, color_source *source, iso_error *error) {
-    const iso_coloring_settings *settings = source->settings;
-    if (source->has_volume) return read_volume(job, source, error);
-    if (is_vertices(settings)) {
-        iso_vertex_values_free(&source->vertices);
-        return iso_vertex_values_read(settings->path, settings->rest[0] ? settings->rest : NULL,
-                                      &source->vertices, error);
-    }
-    return source->settings->path[0] ? read_mesh_distance(source, error) : ISO_OK;
+    const iso_loader *loader = &source->file.loader;
+    if (!source->file.path[0]) return ISO_OK;
+    ISO_TRY(iso_color_file_read(&source->file, error));
+    for (int i = 0; i < loader->volume.info.note_count; i++)
+        isorender_log(job, "note: %s: %s", loader->input, loader->volume.info.notes[i]);
+    if (source->file.chosen)
+        isorender_log(job, "%s: distances from isovalue %g (%s); distance:FILE:ISOVALUE sets it",
+                      loader->input, source->file.isovalue,
+                      iso_grid_is_level_set(&loader->volume.grid) ? "a level set" : "Otsu's threshold, 1979");
+    return ISO_OK;
 }
 
 iso_status isorender_colorings_read(isorender_job *job, iso_error *error) {
@@ -208,10 +140,8 @@ void isorender_colorings_free(isorender_job *job) {
     isorender_colorings *all = job->colorings;
     for (int i = 0; all && i < all->count; i++) {
         color_source *source = &all->sources[i];
-        iso_distance_destroy(source->distance);
-        iso_vertex_values_free(&source->vertices);
+        iso_color_file_close(&source->file);
         iso_color_table_free(&source->table);
-        if (source->has_volume) iso_loader_close(&source->loader);
     }
     for (int i = 0; all && i < ISO_CUT_THINGS; i++) iso_vertex_field_destroy(all->fields[i]);
     if (all) free(all->things);
@@ -230,10 +160,10 @@ static bool is_surface(const isorender_job *job, int thing) {
 static const char *reason_against(const isorender_job *job, const color_source *source, int thing) {
     if (is_surface(job, thing))
         return job->surfaces[thing].loader->has_points ? "it is points: --color-by colours them"
-               : source->vertices.values               ? "it has no vertices, as a mesh of --surface has"
+               : source->file.vertices.values          ? "it has no vertices, as a mesh of --surface has"
                                                        : NULL;
     const isorender_object *object = &job->objects[thing - job->surface_count];
-    if (object->settings->kind != ISORENDER_MESH || object->scene.shapes)
+    if (object->settings->kind != ISO_OBJECT_MESH || object->scene.shapes)
         return "it is lines or glyphs: --color-by colours them";
     if (source->settings->source == ISO_COLOR_BY_CURVATURE)
         return "it is a mesh, which has no field to take it from";
@@ -340,24 +270,24 @@ static void log_source(const isorender_job *job, const color_source *source) {
 /* The numbers of a mesh's vertices on the mesh. */
 static iso_status make_field(isorender_job *job, const color_source *source, int thing, iso_error *error) {
     const isorender_object *object = &job->objects[thing - job->surface_count];
-    const iso_vertex_values *given = &source->vertices;
+    const iso_vertex_values *given = &source->file.vertices;
     iso_vertex_field **field = &job->colorings->fields[thing];
-    if (given->count != object->mesh.vertex_count)
+    if (given->count != object->file.mesh.vertex_count)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: has numbers of %zu vertices: %s has %zu",
                         source->settings->path, given->count, object->settings->path,
-                        object->mesh.vertex_count);
+                        object->file.mesh.vertex_count);
     iso_vertex_field_destroy(*field);
     *field = NULL;
-    return iso_vertex_field_create(&object->mesh, given->values, (const uint8_t(*)[3])given->colors, field,
-                                   error);
+    return iso_vertex_field_create(&object->file.mesh, given->values, (const uint8_t(*)[3])given->colors,
+                                   field, error);
 }
 
 static iso_coloring make_coloring(const isorender_job *job, const color_source *source, int thing) {
     iso_coloring coloring = {
-        .source = source->settings->source, .distance = source->distance, .bar = source->bar};
-    coloring.vertices = source->vertices.values ? job->colorings->fields[thing] : NULL;
-    if (source->has_volume && coloring.source == ISO_COLOR_BY_VOLUME)
-        iso_coloring_set_grid(&coloring, &source->loader.volume.grid);
+        .source = source->settings->source, .distance = source->file.distance, .bar = source->bar};
+    coloring.vertices = source->file.vertices.values ? job->colorings->fields[thing] : NULL;
+    if (source->file.has_volume && coloring.source == ISO_COLOR_BY_VOLUME)
+        iso_coloring_set_grid(&coloring, &source->file.loader.volume.grid);
     if (coloring.source == ISO_COLOR_BY_CURVATURE)
         iso_coloring_set_grid(&coloring, &job->surfaces[thing].scene.grid);
     return coloring;
@@ -436,7 +366,7 @@ static iso_status make_colorings(isorender_job *job, iso_error *error) {
     for (int i = 0; i < things; i++) {
         if (all->source_of[i] < 0) continue;
         const color_source *source = &all->sources[all->source_of[i]];
-        if (source->vertices.values) ISO_TRY(make_field(job, source, i, error));
+        if (source->file.vertices.values) ISO_TRY(make_field(job, source, i, error));
         all->things[i] = make_coloring(job, source, i);
         if (source->settings->source != ISO_COLOR_BY_DEPTH) ISO_TRY(find_range(job, i, NULL, error));
         if (is_surface(job, i))
@@ -493,10 +423,11 @@ void isorender_colorings_report(iso_json *json, const isorender_job *job) {
         const color_source *source = &job->colorings->sources[i];
         const iso_coloring_settings *settings = source->settings;
         iso_json_begin_object(json, NULL);
-        iso_json_string(json, "by", source->vertices.values ? "vertices" : names[settings->source]);
+        iso_json_string(json, "by", source->file.vertices.values ? "vertices" : names[settings->source]);
         if (settings->path[0]) iso_json_string(json, "path", settings->path);
-        if (source->has_volume) iso_json_string(json, "name", source->loader.volume.info.name);
-        if (source->has_volume && source->distance) iso_json_real(json, "isovalue", source->isovalue);
+        if (source->file.has_volume) iso_json_string(json, "name", source->file.loader.volume.info.name);
+        if (source->file.has_volume && source->file.distance)
+            iso_json_real(json, "isovalue", source->file.isovalue);
         if (!has_own_colors(source)) {
             const double range[2] = {source->bar.low, source->bar.high};
             iso_json_reals(json, "range", range, 2);

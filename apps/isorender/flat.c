@@ -42,11 +42,11 @@ static void add_cloud(moments *m, const iso_point_view *view, size_t count) {
 }
 
 static void add_object(moments *m, const isorender_object *object) {
-    const iso_triangles *mesh = &object->mesh;
+    const iso_triangles *mesh = &object->file.mesh;
     add_positions(m, (iso_vec3){0}, (const float(*)[3])mesh->vertices, mesh->vertex_count);
-    const iso_lines *lines = &object->lines;
+    const iso_lines *lines = &object->file.lines;
     add_positions(m, lines->origin, (const float(*)[3])lines->vertices, lines->vertex_count);
-    const iso_glyphs *glyphs = &object->glyphs;
+    const iso_glyphs *glyphs = &object->file.glyphs;
     add_positions(m, glyphs->origin, (const float(*)[3])glyphs->positions, glyphs->count);
 }
 

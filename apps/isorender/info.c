@@ -5,7 +5,6 @@
 #include "apps/isorender/channels.h"
 #include "apps/isorender/labels.h"
 #include "base/text.h"
-#include "image/annotate.h"
 
 /* 1234567 bytes as "1.2 MB". */
 static void print_bytes(uint64_t bytes) {
@@ -109,11 +108,10 @@ static void print_histogram(const iso_histogram *histogram) {
 }
 
 static void print_isovalues(const iso_loader *loader) {
-    double candidates[ISO_ISOVALUE_CANDIDATES];
-    size_t count = iso_isovalue_suggest(&loader->volume.grid, &loader->histogram, candidates);
+    const size_t count = loader->candidate_count;
     printf("  %-11s ", "isovalues");
     if (count == 0) printf("none: the volume is constant");
-    for (size_t i = 0; i < count; i++) printf("%s%.6g", i ? ", " : "", candidates[i]);
+    for (size_t i = 0; i < count; i++) printf("%s%.6g", i ? ", " : "", loader->candidates[i]);
     if (count > 0)
         printf(iso_grid_is_level_set(&loader->volume.grid) ? " (level set)"
                                                            : " (Otsu; then two of three classes)");

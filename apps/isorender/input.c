@@ -89,13 +89,13 @@ static bool is_method_of_lines(int method) {
 
 /* The option of the first line, glyph or mesh file that is called as one of surfaces is; NULL: none is. */
 static const char *option_of_object(const isorender_settings *settings, const char *option) {
-    static const char *const colors[ISORENDER_OBJECT_KINDS] = {[ISORENDER_LINES] = "--line-color",
-                                                               [ISORENDER_GLYPHS] = "--glyph-color",
-                                                               [ISORENDER_MESH] = "--surface-color"};
-    static const char *const opacities[ISORENDER_OBJECT_KINDS] = {[ISORENDER_LINES] = "--line-opacity",
-                                                                  [ISORENDER_GLYPHS] = "--glyph-opacity",
-                                                                  [ISORENDER_MESH] = "--surface-opacity"};
-    const isorender_object_kind kind = settings->object_options.kinds[0];
+    static const char *const colors[ISO_OBJECT_KINDS] = {[ISO_OBJECT_LINES] = "--line-color",
+                                                         [ISO_OBJECT_GLYPHS] = "--glyph-color",
+                                                         [ISO_OBJECT_MESH] = "--surface-color"};
+    static const char *const opacities[ISO_OBJECT_KINDS] = {[ISO_OBJECT_LINES] = "--line-opacity",
+                                                            [ISO_OBJECT_GLYPHS] = "--glyph-opacity",
+                                                            [ISO_OBJECT_MESH] = "--surface-opacity"};
+    const iso_object_kind kind = settings->object_options.kinds[0];
     return strcmp(option, "--color") == 0     ? colors[kind]
            : strcmp(option, "--opacity") == 0 ? opacities[kind]
                                               : NULL;
@@ -188,7 +188,7 @@ static void log_notes(isorender_job *job) {
 
 static void log_object(const isorender_job *job, const isorender_object *object) {
     const bool is_input = strcmp(object->settings->path, job->plan->input) == 0; /* it is named already */
-    isorender_log_report(job, is_input ? "" : object->settings->path, &object->report);
+    isorender_log_report(job, is_input ? "" : object->settings->path, &object->file.report);
 }
 
 static iso_status check_color_bar(const isorender_job *job, iso_error *error) {

@@ -4,7 +4,6 @@
 #define ISO_APPS_ISORENDER_ISORENDER_H
 
 #include "apps/common/json.h"
-#include "apps/common/loader.h"
 #include "apps/isorender/backend.h"
 #include "apps/isorender/instances.h"
 #include "apps/isorender/objects.h"
@@ -12,9 +11,10 @@
 #include "apps/isorender/progress.h"
 #include "apps/isorender/settings.h"
 #include "clouds/cloud.h"
-#include "grids/parts/components.h"
 #include "scene/gl_scene.h"
+#include "scene/loader.h"
 #include "scene/picture.h"
+#include "scene/solid.h"
 
 /* One isosurface, of the input or of a further volume. */
 typedef struct isorender_surface {
@@ -79,10 +79,10 @@ struct isorender_job {
     int surface_count, input_surface_count;
     isorender_object objects[ISORENDER_OBJECTS]; /* their surface numbers follow those of the surfaces */
     int object_count;
-    bool translucent;                            /* at least one surface or object is */
-    isorender_instances instances;               /* of the input's surfaces */
-    struct isorender_segmentation *segmentation; /* of --labels and --smooth; NULL: none */
-    iso_gl_scene gl;                             /* with backend->engine */
+    bool translucent;                      /* at least one surface or object is */
+    isorender_instances instances;         /* of the input's surfaces */
+    struct iso_segmentation *segmentation; /* of --labels and --smooth; NULL: none */
+    iso_gl_scene gl;                       /* with backend->engine */
     uint64_t point_count, rejected, vertex_count, triangle_count, cell_count; /* of all surfaces */
     iso_box bounds_local, bounds_world;                                       /* mm */
     iso_box bounds_framed; /* of what the camera frames: without a few points far from the others */
@@ -239,8 +239,8 @@ iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surfac
 uint64_t isorender_solid_bytes(const isorender_job *job, const int dims[3], uint64_t grid_bytes);
 /* The surface's welded mesh as it is exported; iso_weld_free when done. Measured into surface->measures for
  * --json, --verbose, and the line that says that the mesh was written. */
-iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
-                               iso_error *error);
+iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface,
+                               const iso_coloring *coloring, iso_weld *weld, iso_error *error);
 /* Adds members about parts and mesh to the report of --json: of the first surface and, if there are several,
  * of each. */
 void isorender_report_solid(iso_json *json, const isorender_job *job);

@@ -84,7 +84,7 @@ static bool parse_range(const char *text, int *first, int *last) {
 }
 
 /* The labels that there are, for a message. */
-static void list_labels(const iso_labels *labels, const isorender_label *items, char *text, size_t room) {
+static void list_labels(const iso_labels *labels, const iso_drawn_label *items, char *text, size_t room) {
     size_t used = 0;
     text[0] = 0;
     for (int i = 1; i < labels->count && used + 96 < room; i++)
@@ -101,7 +101,7 @@ static bool is_meant(const label_item *item, int value, const char *name) {
     return fnmatch(item->which, name, FNM_CASEFOLD) == 0;
 }
 
-static iso_status apply_item(const label_item *item, const iso_labels *labels, isorender_label *items,
+static iso_status apply_item(const label_item *item, const iso_labels *labels, iso_drawn_label *items,
                              bool *drawn, iso_error *error) {
     int found = 0;
     for (int i = 1; i < labels->count; i++) {
@@ -118,7 +118,7 @@ static iso_status apply_item(const label_item *item, const iso_labels *labels, i
 }
 
 iso_status isorender_label_items_apply(const iso_texts *texts, const iso_labels *labels,
-                                       isorender_label *items, iso_error *error) {
+                                       iso_drawn_label *items, iso_error *error) {
     if (!texts->count) return ISO_OK;
     bool *drawn = calloc((size_t)labels->count, sizeof *drawn);
     if (!drawn) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");

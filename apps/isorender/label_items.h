@@ -3,9 +3,7 @@
 #define ISO_APPS_ISORENDER_LABEL_ITEMS_H
 
 #include "apps/common/options.h"
-#include "grids/labels/labels.h"
-
-struct isorender_label;
+#include "scene/segmentation.h"
 
 /* Each text is a list WHICH[:OPACITY][:COLOR],.. where WHICH is a value, a range of values as 3-7, a name
  * (in either case, with * for anything) or all. ISO_ERR_USAGE. */
@@ -15,6 +13,6 @@ bool isorender_label_items_translucent(const iso_texts *texts);
 /* Sets colours and opacities of the labels that are meant; others get opacity 0, if there are any texts.
  * items: of each label. ISO_ERR_USAGE: a label that is not there. */
 iso_status isorender_label_items_apply(const iso_texts *texts, const iso_labels *labels,
-                                       struct isorender_label *items, iso_error *error);
+                                       iso_drawn_label *items, iso_error *error);
 
 #endif

@@ -6,20 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/isorender/label_meshes.h"
 #include "apps/isorender/segmentation.h"
-#include "extract/mesh/mesh_measure.h"
-
-typedef struct measuring {
-    isorender_job *job;
-    iso_mesh_measures *measures; /* of each label */
-} measuring;
-
-static iso_status measure(void *context, int label, iso_weld *weld, const iso_transform *transform,
-                          iso_error *error) {
-    const measuring *m = context;
-    return iso_weld_measure(weld, transform, m->job->pool, &m->measures[label], error);
-}
 
 /* A field of a row: in quotation marks if it needs them. */
 static void put_text(FILE *stream, const char *text) {
@@ -47,7 +34,7 @@ static void put_touching(FILE *stream, const iso_labels *labels, const iso_label
     }
 }
 
-static void put_rows(FILE *stream, const isorender_segmentation *s, const iso_mesh_measures *measures,
+static void put_rows(FILE *stream, const iso_segmentation *s, const iso_mesh_measures *measures,
                      const iso_label_contacts *contacts) {
     const iso_affine affine = iso_transform_affine(&s->labels.transform);
     const double voxel = fabs(affine.determinant);
@@ -82,14 +69,12 @@ static iso_status write_rows(const isorender_job *job, const iso_mesh_measures *
 }
 
 iso_status isorender_label_table_write(isorender_job *job, iso_error *error) {
-    const isorender_segmentation *s = job->segmentation;
+    const iso_segmentation *s = job->segmentation;
     iso_label_contacts contacts = {0};
     if (!job->plan->table) return ISO_OK;
     iso_mesh_measures *measures = calloc((size_t)s->labels.count, sizeof *measures);
     if (!measures) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    measuring m = {job, measures};
-    iso_status status = isorender_label_meshes_each(job, false, measure, &m, error);
-    if (status == ISO_OK) status = iso_labels_contacts(&s->labels, &contacts, error);
+    iso_status status = iso_segmentation_measure(s, measures, &contacts, error);
     if (status == ISO_OK) status = write_rows(job, measures, &contacts, error);
     if (status == ISO_OK) job->table_written = true;
     iso_label_contacts_free(&contacts);

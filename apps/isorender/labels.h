@@ -3,7 +3,7 @@
 #define ISO_APPS_ISORENDER_LABELS_H
 
 #include "apps/isorender/isorender.h"
-#include "image/annotate.h"
+#include "scene/picture_file.h"
 
 /* Metadata of the picture's file. Without paths and thread counts, so that the same picture is the same file
  * everywhere. */

@@ -3,12 +3,6 @@
 #include <string.h>
 
 #include "apps/isorender/isorender.h"
-#include "base/memory.h"
-#include "io/mesh/mesh_read.h"
-
-bool isorender_object_is_branches(const char *path) {
-    return iso_mesh_find_faces(path) != ISO_MESH_NO_FACES;
-}
 
 /* Gives the object settings of its own, with the style of what it holds if the options say none. */
 static void set_style(isorender_object *object, isorender_line_style style) {
@@ -17,32 +11,12 @@ static void set_style(isorender_object *object, isorender_line_style style) {
     if (!object->own.style_given) object->own.style = style;
 }
 
-/* Moves what a mesh has become to the object: tubes if there are any, else ribbons. */
-static void take_lines(isorender_object *object, iso_mesh_lines *made) {
+void isorender_object_take_branches(isorender_object *object) {
+    iso_mesh_lines *made = object->file.branches;
     iso_lines *from = made->tubes.line_count ? &made->tubes : &made->ribbons;
     set_style(object, from == &made->tubes ? ISORENDER_STYLE_TUBE : ISORENDER_STYLE_RIBBON);
-    object->lines = *from;
+    object->file.lines = *from;
     *from = (iso_lines){.line_count = 0};
-}
-
-iso_status isorender_object_read_branches(isorender_object *object, iso_error *error) {
-    const isorender_object_settings *settings = object->settings;
-    if (settings->every)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: --every is not for lines of a mesh", settings->path);
-    object->branches = iso_alloc_zero(1, sizeof *object->branches);
-    if (!object->branches) return iso_fail_memory(error, settings->path);
-    const iso_status status = iso_mesh_lines_make(settings->path, &object->mesh, object->branches, error);
-    object->mesh_triangles = object->mesh.triangle_count;
-    iso_triangles_free(&object->mesh);
-    if (status == ISO_ERR_EMPTY && error) {
-        char text[sizeof error->text];
-        snprintf(text, sizeof text, "%s", error->text);
-        return iso_fail(error, status, "%s; --surface draws its triangles", text);
-    }
-    ISO_TRY(status);
-    snprintf(object->report.format, sizeof object->report.format, "mesh");
-    take_lines(object, object->branches);
-    return ISO_OK;
 }
 
 /* The next object, with the settings of `whole`. */
@@ -57,12 +31,12 @@ static iso_status add_part(isorender_job *job, const isorender_object *whole, is
                                 .whole = whole,
                                 .scene.color = whole->scene.color,
                                 .color_by = whole->color_by,
-                                .report = whole->report};
+                                .file.report = whole->file.report};
     return ISO_OK;
 }
 
 static void log_rest(const isorender_job *job, const isorender_object *whole) {
-    const iso_mesh_lines *made = whole->branches;
+    const iso_mesh_lines *made = whole->file.branches;
     const size_t rest = made->pieces - made->tube_pieces - made->ribbon_pieces;
     const char *path = whole->settings->path;
     const bool is_input = strcmp(path, job->plan->input) == 0; /* it is named already */
@@ -77,21 +51,21 @@ static void log_rest(const isorender_job *job, const isorender_object *whole) {
 
 iso_status isorender_object_add_parts(isorender_job *job, isorender_object *whole, iso_error *error) {
     isorender_object *part;
-    iso_mesh_lines *made = whole->branches;
+    iso_mesh_lines *made = whole->file.branches;
     if (!made) return ISO_OK;
     log_rest(job, whole);
     if (made->ribbons.line_count) {
         ISO_TRY(add_part(job, whole, &part, error));
         set_style(part, ISORENDER_STYLE_RIBBON);
-        part->lines = made->ribbons;
+        part->file.lines = made->ribbons;
         made->ribbons = (iso_lines){.line_count = 0};
         ISO_TRY(isorender_object_style(part, error));
     }
     if (!made->rest.triangle_count) return ISO_OK;
     ISO_TRY(add_part(job, whole, &part, error));
     set_style(part, ISORENDER_STYLE_TUBE);
-    part->own.kind = ISORENDER_MESH;
-    part->mesh = made->rest;
+    part->own.kind = ISO_OBJECT_MESH;
+    part->file.mesh = made->rest;
     made->rest = (iso_triangles){.triangle_count = 0};
     return ISO_OK;
 }

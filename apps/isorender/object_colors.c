@@ -43,7 +43,7 @@ static void store(uint8_t to[3], iso_rgb color) {
 /* Colours every vertex of every line by the number of the vertex, or of its line. */
 static void color_lines(const isorender_object *object, const iso_attribute *attribute,
                         uint8_t (*colors)[3]) {
-    const iso_lines *lines = &object->lines;
+    const iso_lines *lines = &object->file.lines;
     for (size_t line = 0; line < lines->line_count; line++)
         for (size_t i = lines->starts[line]; i < lines->starts[line + 1]; i++)
             store(colors[i],
@@ -52,7 +52,7 @@ static void color_lines(const isorender_object *object, const iso_attribute *att
 
 static void color_glyphs(const isorender_object *object, const iso_attribute *attribute,
                          uint8_t (*colors)[3]) {
-    for (size_t i = 0; i < object->glyphs.count; i++)
+    for (size_t i = 0; i < object->file.glyphs.count; i++)
         store(colors[i], iso_color_bar_at(&object->bar, number_at(attribute, i)));
 }
 
@@ -109,15 +109,15 @@ static iso_status allocate(size_t count, uint8_t (**colors)[3], iso_error *error
 }
 
 static iso_status color_by_attribute(isorender_object *object, uint8_t (**colors)[3], iso_error *error) {
-    const bool of_lines = object->settings->kind == ISORENDER_LINES;
+    const bool of_lines = object->settings->kind == ISO_OBJECT_LINES;
     const iso_attribute *attribute =
-        of_lines ? isorender_attribute_find(object->lines.attributes, object->lines.attribute_count,
+        of_lines ? isorender_attribute_find(object->file.lines.attributes, object->file.lines.attribute_count,
                                             object->color_by)
-                 : isorender_attribute_find(object->glyphs.attributes, object->glyphs.attribute_count,
-                                            object->color_by);
-    const size_t items = of_lines ? object->lines.vertex_count : object->glyphs.count;
-    ISO_TRY(find_range(object, attribute, of_lines && attribute->per_line ? object->lines.line_count : items,
-                       error));
+                 : isorender_attribute_find(object->file.glyphs.attributes,
+                                            object->file.glyphs.attribute_count, object->color_by);
+    const size_t items = of_lines ? object->file.lines.vertex_count : object->file.glyphs.count;
+    ISO_TRY(find_range(object, attribute,
+                       of_lines && attribute->per_line ? object->file.lines.line_count : items, error));
     ISO_TRY(allocate(items, colors, error));
     (of_lines ? color_lines : color_glyphs)(object, attribute, *colors);
     return ISO_OK;
@@ -125,16 +125,16 @@ static iso_status color_by_attribute(isorender_object *object, uint8_t (**colors
 
 static iso_status color_by_directions(const isorender_object *object, uint8_t (**colors)[3],
                                       iso_error *error) {
-    if (object->settings->kind == ISORENDER_LINES) {
-        ISO_TRY(allocate(object->lines.vertex_count, colors, error));
-        color_by_direction(&object->lines, *colors);
+    if (object->settings->kind == ISO_OBJECT_LINES) {
+        ISO_TRY(allocate(object->file.lines.vertex_count, colors, error));
+        color_by_direction(&object->file.lines, *colors);
         return ISO_OK;
     }
-    if (!object->glyphs.directions)
+    if (!object->file.glyphs.directions)
         return iso_fail(error, ISO_ERR_USAGE, "%s: the glyphs have no directions to be coloured by",
                         object->settings->path);
-    ISO_TRY(allocate(object->glyphs.count, colors, error));
-    color_glyphs_by_direction(&object->glyphs, *colors);
+    ISO_TRY(allocate(object->file.glyphs.count, colors, error));
+    color_glyphs_by_direction(&object->file.glyphs, *colors);
     return ISO_OK;
 }
 
@@ -146,7 +146,8 @@ iso_status isorender_object_color(isorender_object *object, iso_error *error) {
         ISO_TRY(color_by_attribute(object, &colors, error));
     else if (settings->by_direction)
         ISO_TRY(color_by_directions(object, &colors, error));
-    uint8_t(**place)[3] = settings->kind == ISORENDER_LINES ? &object->lines.colors : &object->glyphs.colors;
+    uint8_t(**place)[3] =
+        settings->kind == ISO_OBJECT_LINES ? &object->file.lines.colors : &object->file.glyphs.colors;
     iso_free(*place);
     *place = colors;
     return ISO_OK;

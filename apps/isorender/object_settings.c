@@ -58,7 +58,7 @@ iso_status isorender_parse_color(const char *option, const char *value, const ch
 
 static iso_status set_color(const char *option, const char *value, isorender_object_settings *object,
                             iso_error *error) {
-    const bool directed = object->kind != ISORENDER_MESH;
+    const bool directed = object->kind != ISO_OBJECT_MESH;
     if (directed && value && strcmp(value, "direction") == 0) {
         object->by_direction = true;
         return ISO_OK;
@@ -122,7 +122,7 @@ static iso_status set_count(const char *option, const char *value, int least, in
 
 /* number: of the lines. */
 static iso_status set_streamlines(const isorender_object_options *options, int number,
-                                  isorender_field_settings *field, iso_error *error) {
+                                  iso_vector_field_opts *field, iso_error *error) {
     field->streamlines = 500;
     ISO_TRY(set_count("streamlines", isorender_value_for(&options->streamlines, number), 1,
                       &field->streamlines, error));
@@ -208,10 +208,10 @@ iso_status isorender_check_count(const char *option, const iso_texts *texts, con
 }
 
 /* counts: of objects by kind. */
-static iso_status check_counts(const isorender_object_options *o, const int counts[ISORENDER_OBJECT_KINDS],
+static iso_status check_counts(const isorender_object_options *o, const int counts[ISO_OBJECT_KINDS],
                                iso_error *error) {
-    const int lines = counts[ISORENDER_LINES], glyphs = counts[ISORENDER_GLYPHS],
-              meshes = counts[ISORENDER_MESH];
+    const int lines = counts[ISO_OBJECT_LINES], glyphs = counts[ISO_OBJECT_GLYPHS],
+              meshes = counts[ISO_OBJECT_MESH];
     static const char both[] = "--lines or --glyphs", any[] = "--lines, --glyphs or a file of points",
                       colored[] = "--lines, --glyphs, a file of points or --surface-color-by";
     const int columns = lines + glyphs + o->has_cloud;
@@ -257,8 +257,8 @@ static iso_status set_kind(const isorender_object_options *options, int number,
                            isorender_object_settings *object, iso_error *error) {
     object->radius = NAN;
     object->opacity = 1;
-    if (object->kind == ISORENDER_LINES) return set_lines(options, number, object, error);
-    if (object->kind == ISORENDER_GLYPHS) return set_glyphs(options, number, object, error);
+    if (object->kind == ISO_OBJECT_LINES) return set_lines(options, number, object, error);
+    if (object->kind == ISO_OBJECT_GLYPHS) return set_glyphs(options, number, object, error);
     ISO_TRY(isorender_parse_opacity("surface-opacity", isorender_value_for(&options->mesh_opacities, number),
                                     &object->opacity, error));
     return set_color("surface-color", isorender_value_for(&options->mesh_colors, number), object, error);
@@ -270,7 +270,7 @@ static iso_status set_kind(const isorender_object_options *options, int number,
  * those of its kind; column: among those that --color-by counts. */
 static iso_status settle_colors(const isorender_object_options *options, int number, int column,
                                 isorender_object_settings *object, iso_error *error) {
-    const bool lines = object->kind == ISORENDER_LINES;
+    const bool lines = object->kind == ISO_OBJECT_LINES;
     const iso_texts *colors = lines ? &options->line_colors : &options->glyph_colors;
     const bool own_color = number < colors->count, own_column = column < options->color_by.count;
     if (!object->color_by || !colors->count) return ISO_OK;
@@ -287,8 +287,8 @@ static iso_status settle_colors(const isorender_object_options *options, int num
 iso_status isorender_objects_resolve(const isorender_object_options *options,
                                      isorender_object_settings objects[ISORENDER_OBJECTS],
                                      isorender_object_settings *cloud, iso_error *error) {
-    int counts[ISORENDER_OBJECT_KINDS] = {0}, common = 0;
-    *cloud = (isorender_object_settings){.kind = ISORENDER_GLYPHS, .radius = NAN, .opacity = 1};
+    int counts[ISO_OBJECT_KINDS] = {0}, common = 0;
+    *cloud = (isorender_object_settings){.kind = ISO_OBJECT_GLYPHS, .radius = NAN, .opacity = 1};
     if (options->has_cloud) {
         ISO_TRY(set_space(isorender_value_for(&options->spaces, 0), cloud, error));
         ISO_TRY(set_common(options, common++, cloud, error));
@@ -299,7 +299,7 @@ iso_status isorender_objects_resolve(const isorender_object_options *options,
         const int number = counts[object->kind]++;
         ISO_TRY(set_kind(options, number, object, error));
         ISO_TRY(set_space(isorender_value_for(&options->spaces, i + options->has_cloud), object, error));
-        if (object->kind == ISORENDER_MESH) continue;
+        if (object->kind == ISO_OBJECT_MESH) continue;
         ISO_TRY(set_common(options, common, object, error));
         ISO_TRY(settle_colors(options, number, common++, object, error));
     }

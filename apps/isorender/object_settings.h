@@ -5,34 +5,12 @@
 
 #include "apps/common/coloring_settings.h"
 #include "apps/common/options.h"
-#include "grids/volume/vectors_read.h"
-#include "io/common/read_opts.h"
-#include "scene/object.h"
+#include "scene/object_file.h"
 
 enum {
     ISORENDER_OBJECTS = 32,
     ISORENDER_COLORINGS = 16
 }; /* most of them in a picture; of --surface-color-by */
-
-typedef enum isorender_object_kind {
-    ISORENDER_LINES,
-    ISORENDER_GLYPHS,
-    ISORENDER_MESH,
-    ISORENDER_OBJECT_KINDS
-} isorender_object_kind;
-
-/* The options for a volume of vectors or tensors. */
-typedef struct isorender_field_settings {
-    const char
-        *array; /* name of the array or grid that is read; NULL: the first that has vectors or tensors */
-    iso_vector_axes axes;  /* the axes that the components of vectors refer to */
-    int order[6];          /* the order of the components of tensors, as in iso_vectors_opts */
-    double scale;          /* length of glyphs, mm per unit of the vectors; 0: not given */
-    int streamlines, seed; /* number of streamlines; seed of the random places where they begin */
-    double length;         /* of streamlines, mm; 0: not given */
-    double least;          /* shorter vectors, and tensors of less anisotropy, are not drawn; 0: not given */
-    bool axial;            /* vectors v and -v mean the same */
-} isorender_field_settings;
 
 /* How lines are drawn. LINE: with the least width (--line-min-pixels) at any distance. */
 typedef enum isorender_line_style {
@@ -43,7 +21,7 @@ typedef enum isorender_line_style {
 
 /* The options for one object. Strings are borrowed from argv. */
 typedef struct isorender_object_settings {
-    isorender_object_kind kind;
+    iso_object_kind kind;
     const char *path;
     double radius;             /* mm; NAN: not given */
     const char *radius_column; /* the attribute with the radii; NULL: none */
@@ -62,14 +40,14 @@ typedef struct isorender_object_settings {
     iso_glyph_projection projection;
     iso_space space;
     int every; /* 0: not given */
-    isorender_field_settings field;
+    iso_vector_field_opts field;
 } isorender_object_settings;
 
 /* The options as they are given: the n-th value belongs to the n-th object, of those of the option's kind,
  * and the last one to all that follow. Zero-initialise. */
 typedef struct isorender_object_options {
     const char *paths[ISORENDER_OBJECTS];
-    isorender_object_kind kinds[ISORENDER_OBJECTS];
+    iso_object_kind kinds[ISORENDER_OBJECTS];
     int count;
     bool has_cloud; /* the input is a file of points, which comes before the objects in the order of values */
     /* by number of the lines */

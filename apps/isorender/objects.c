@@ -4,23 +4,19 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/file_types.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "io/glyphs/glyphs_read.h"
-#include "io/lines/lines_read.h"
-#include "io/mesh/mesh_read.h"
 
 static bool has_lines(const isorender_object *object) {
-    return object->settings->kind == ISORENDER_LINES;
+    return object->settings->kind == ISO_OBJECT_LINES;
 }
 
 /* ---- columns that options name */
 
 static const iso_attribute *attributes_of(const isorender_object *object, int *count) {
     const bool lines = has_lines(object);
-    *count = lines ? object->lines.attribute_count : object->glyphs.attribute_count;
-    return lines ? object->lines.attributes : object->glyphs.attributes;
+    *count = lines ? object->file.lines.attribute_count : object->file.glyphs.attribute_count;
+    return lines ? object->file.lines.attributes : object->file.glyphs.attributes;
 }
 
 /* Adds a column "x", "y" or "z" with this coordinate of points, in mm. */
@@ -56,8 +52,8 @@ static iso_status find_attribute(isorender_object *object, const char *name, con
     *attribute = isorender_attribute_find(attributes, count, name);
     if (*attribute) return ISO_OK;
     if (!has_lines(object) && strlen(name) == 1 && strchr("xyz", name[0])) {
-        ISO_TRY(add_coordinate(&object->glyphs, name[0], error));
-        *attribute = &object->glyphs.attributes[count];
+        ISO_TRY(add_coordinate(&object->file.glyphs, name[0], error));
+        *attribute = &object->file.glyphs.attributes[count];
         return ISO_OK;
     }
     char names[256] = "none";
@@ -74,8 +70,8 @@ static iso_status find_attribute(isorender_object *object, const char *name, con
 /* Radii of an attribute; what is no usable number becomes 0, as in the readers. */
 static iso_status take_radii(isorender_object *object, float **radii, iso_error *error) {
     const iso_attribute *attribute;
-    const iso_lines *lines = &object->lines;
-    const size_t count = has_lines(object) ? lines->vertex_count : object->glyphs.count;
+    const iso_lines *lines = &object->file.lines;
+    const size_t count = has_lines(object) ? lines->vertex_count : object->file.glyphs.count;
     ISO_TRY(find_attribute(object, object->settings->radius_column, &attribute, error));
     if (attribute->components != 1)
         return iso_fail(error, ISO_ERR_USAGE, "%s: column '%s' has %d numbers, not a radius",
@@ -94,7 +90,7 @@ static iso_status take_radii(isorender_object *object, float **radii, iso_error 
 }
 
 static iso_status set_radii(isorender_object *object, iso_error *error) {
-    float **radii = has_lines(object) ? &object->lines.radii : &object->glyphs.radii;
+    float **radii = has_lines(object) ? &object->file.lines.radii : &object->file.glyphs.radii;
     if (object->settings->radius_column) return take_radii(object, radii, error);
     if (isnan(object->settings->radius)) return ISO_OK;
     iso_free(*radii); /* one radius is given for all */
@@ -104,72 +100,24 @@ static iso_status set_radii(isorender_object *object, iso_error *error) {
 
 /* ---- reading and preparing */
 
-/* Files of meshes do not say which axes they have. */
-static iso_status read_mesh(isorender_object *object, iso_error *error) {
-    ISO_TRY(iso_mesh_read(object->settings->path, NULL, &object->mesh, error));
-    object->report.space = object->settings->space == ISO_SPACE_RAS ? ISO_SPACE_RAS : ISO_SPACE_LPS;
-    for (size_t i = 0; i < object->mesh.vertex_count && object->report.space == ISO_SPACE_RAS; i++) {
-        object->mesh.vertices[i][0] = -object->mesh.vertices[i][0];
-        object->mesh.vertices[i][1] = -object->mesh.vertices[i][1];
-    }
-    return ISO_OK;
-}
-
-static iso_status check_axes(const isorender_object *object, iso_error *error) {
-    if (object->settings->field.axes <= ISO_VECTOR_AXES_RAS) return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE, "%s: --space voxels and fsl are for volumes of vectors",
-                    object->settings->path);
-}
-
-/* A file without lines may be a mesh of branches. */
-static iso_status read_lines(isorender_object *object, const iso_read_opts *opts, iso_error *error) {
-    const char *path = object->settings->path;
-    const bool is_mesh =
-        iso_file_type_find(path, ISO_HOLDS_LINES) == ISO_FILE_UNKNOWN && isorender_object_is_branches(path);
-    if (!is_mesh) ISO_TRY(iso_lines_read(path, opts, &object->lines, error));
-    if (object->lines.line_count || !isorender_object_is_branches(path)) return ISO_OK;
-    iso_lines_free(&object->lines);
-    iso_file_set_read(opts->files, path);
-    ISO_TRY(read_mesh(object, error));
-    return isorender_object_read_branches(object, error);
-}
-
-static iso_status read_file(isorender_object *object, const iso_read_opts *opts, iso_pool *pool,
-                            iso_error *error) {
-    const char *path = object->settings->path;
-    size_t count = 0;
-    if (object->settings->kind != ISORENDER_MESH && isorender_object_is_field(path))
-        return isorender_object_read_field(object, opts, pool, error);
-    ISO_TRY(check_axes(object, error));
-    if (object->settings->kind == ISORENDER_MESH) {
-        iso_file_set_read(opts->files, path);
-        return read_mesh(object, error);
-    }
-    if (has_lines(object)) {
-        ISO_TRY(read_lines(object, opts, error));
-        count = object->lines.line_count;
-    } else {
-        ISO_TRY(iso_glyphs_read(path, opts, &object->glyphs, error));
-        count = object->glyphs.count;
-    }
-    if (count) return ISO_OK;
-    return iso_fail(error, ISO_ERR_EMPTY, "%s: holds no %s", path, has_lines(object) ? "lines" : "points");
-}
-
 iso_status isorender_object_read(isorender_object *object, const isorender_object_settings *settings,
                                  uint64_t max_memory, iso_file_set *files, iso_pool *pool, iso_error *error) {
     object->settings = settings;
     object->scene.color = settings->color;
     object->glyph = settings->glyph;
     object->color_by = settings->color_by;
-    const iso_read_opts opts = {.max_memory = max_memory,
-                                .space = settings->space,
-                                .every = settings->every,
-                                .files = files,
-                                .report = &object->report};
+    iso_object_file *file = &object->file;
+    const iso_read_opts opts = {
+        .max_memory = max_memory, .space = settings->space, .every = settings->every, .files = files};
+    iso_vector_field_opts field = settings->field;
     if (isorender_object_is_surface(settings)) return ISO_OK;
-    ISO_TRY(read_file(object, &opts, pool, error));
-    return settings->kind == ISORENDER_MESH ? ISO_OK : isorender_object_style(object, error);
+    if (settings->glyph_given) field.glyph = &settings->glyph;
+    ISO_TRY(iso_object_file_read(file, settings->path, settings->kind, &opts, &field, pool, error));
+    if (file->field.components) object->glyph = file->glyph;
+    if (file->values && !settings->colored && !settings->by_direction && !object->color_by)
+        object->color_by = file->values;
+    if (file->branches) isorender_object_take_branches(object);
+    return settings->kind == ISO_OBJECT_MESH ? ISO_OK : isorender_object_style(object, error);
 }
 
 iso_status isorender_object_style(isorender_object *object, iso_error *error) {
@@ -182,9 +130,9 @@ iso_status isorender_object_style(isorender_object *object, iso_error *error) {
 iso_lines isorender_object_lines(const isorender_object *object, const isorender_line_pixels *pixels,
                                  iso_shapes_opts *opts) {
     const double given = object->settings->radius,
-                 usual = object->field.components ? isorender_field_radius(object) : (double)NAN;
+                 usual = object->file.field.components ? isorender_field_radius(object) : (double)NAN;
     const isorender_line_style style = object->settings->style;
-    iso_lines drawn = object->lines;
+    iso_lines drawn = object->file.lines;
     *opts = (iso_shapes_opts){.radius = isnan(given) ? usual : given,
                               .min_pixels = pixels->least,
                               .drop_pixels = pixels->drop,
@@ -204,10 +152,10 @@ iso_lines isorender_object_lines(const isorender_object *object, const isorender
 static iso_status prepare_lines(isorender_object *object, const isorender_line_pixels *pixels,
                                 bool by_pullpush, iso_error *error) {
     if (object->settings->style == ISORENDER_STYLE_RIBBON)
-        ISO_TRY(iso_lines_add_normals(&object->lines, error));
+        ISO_TRY(iso_lines_add_normals(&object->file.lines, error));
     iso_shapes_opts opts;
     const iso_lines drawn = isorender_object_lines(object, pixels, &opts);
-    object->scene.lines = &object->lines;
+    object->scene.lines = &object->file.lines;
     ISO_TRY(iso_shapes_from_lines(&drawn, &opts, &object->scene.shapes, error));
     return by_pullpush ? iso_pyramid_lines_create(&drawn, &opts, &object->scene.pyramid_lines, error)
                        : ISO_OK;
@@ -217,19 +165,19 @@ static iso_status prepare_glyphs(isorender_object *object, iso_error *error) {
     const iso_shapes_opts opts = {.glyph = object->glyph,
                                   .projection = object->settings->projection,
                                   .radius = object->settings->radius};
-    return iso_shapes_from_glyphs(&object->glyphs, &opts, &object->scene.shapes, error);
+    return iso_shapes_from_glyphs(&object->file.glyphs, &opts, &object->scene.shapes, error);
 }
 
 iso_status isorender_object_prepare(isorender_object *object, const isorender_line_pixels *pixels,
                                     bool by_pullpush, iso_error *error) {
-    const bool mesh = object->settings->kind == ISORENDER_MESH;
-    ISO_TRY(mesh                ? iso_triangle_spans_make(&object->mesh, &object->scene.spans, error)
+    const bool mesh = object->settings->kind == ISO_OBJECT_MESH;
+    ISO_TRY(mesh                ? iso_triangle_spans_make(&object->file.mesh, &object->scene.spans, error)
             : has_lines(object) ? prepare_lines(object, pixels, by_pullpush, error)
                                 : prepare_glyphs(object, error));
     object->bounds = iso_scene_object_bounds(&object->scene);
     if (!iso_box_is_empty(&object->bounds))
         return mesh && !object->settings->colored && object->settings->opacity >= 1
-                   ? iso_scene_object_use_vertex_colors(&object->scene, &object->mesh, error)
+                   ? iso_scene_object_use_vertex_colors(&object->scene, &object->file.mesh, error)
                    : ISO_OK;
     return iso_fail(error, ISO_ERR_EMPTY, "%s: nothing to draw: %s", object->settings->path,
                     mesh                ? "no triangle has an area"
@@ -239,10 +187,10 @@ iso_status isorender_object_prepare(isorender_object *object, const isorender_li
 
 iso_box isorender_object_bounds_along(const isorender_object *object, const iso_vec3 vectors[3]) {
     iso_box box = iso_box_empty();
-    if (object->settings->kind != ISORENDER_MESH)
+    if (object->settings->kind != ISO_OBJECT_MESH)
         return iso_shapes_bounds_along(object->scene.shapes, vectors);
-    for (size_t i = 0; i < object->mesh.vertex_count; i++) {
-        const float *v = object->mesh.vertices[i];
+    for (size_t i = 0; i < object->file.mesh.vertex_count; i++) {
+        const float *v = object->file.mesh.vertices[i];
         const iso_vec3 p = iso_vec3_make((double)v[0], (double)v[1], (double)v[2]);
         iso_box_add(&box, iso_vec3_make(iso_vec3_dot(vectors[0], p), iso_vec3_dot(vectors[1], p),
                                         iso_vec3_dot(vectors[2], p)));
@@ -252,11 +200,7 @@ iso_box isorender_object_bounds_along(const isorender_object *object, const iso_
 
 void isorender_object_free(isorender_object *object) {
     iso_scene_object_free(&object->scene);
-    iso_triangles_free(&object->mesh);
-    if (object->branches) iso_mesh_lines_free(object->branches);
-    iso_free(object->branches);
-    iso_lines_free(&object->lines);
-    iso_glyphs_free(&object->glyphs);
+    iso_object_file_free(&object->file);
     iso_color_table_free(&object->colors);
     *object = (isorender_object){.settings = NULL};
 }
@@ -278,20 +222,20 @@ static void put_layers(iso_json *json, const isorender_object *object) {
 static void put_shapes(iso_json *json, const isorender_object *object) {
     const iso_shapes_totals totals = iso_shapes_stats(object->scene.shapes);
     const bool is_file = !isorender_object_is_surface(object->settings);
-    if (is_file) iso_json_string(json, "format", object->report.format);
-    if (is_file) iso_json_string(json, "space", space_name(object->report.space));
+    if (is_file) iso_json_string(json, "format", object->file.report.format);
+    if (is_file) iso_json_string(json, "space", space_name(object->file.report.space));
     if (has_lines(object)) {
-        iso_json_integer(json, "lines", object->lines.line_count);
-        iso_json_integer(json, "vertices", object->lines.vertex_count);
-        if (object->branches) iso_json_integer(json, "mesh_triangles", object->mesh_triangles);
+        iso_json_integer(json, "lines", object->file.lines.line_count);
+        iso_json_integer(json, "vertices", object->file.lines.vertex_count);
+        if (object->file.branches) iso_json_integer(json, "mesh_triangles", object->file.branches_triangles);
     } else {
-        iso_json_integer(json, "glyphs", object->glyphs.count);
+        iso_json_integer(json, "glyphs", object->file.glyphs.count);
     }
-    if (object->field.components) isorender_field_put(json, object);
+    if (object->file.field.components) isorender_field_put(json, object);
     if (!is_file) isorender_gradients_put(json, object);
     iso_json_integer(json, "shapes", totals.shapes);
     iso_json_integer(json, "skipped", totals.skipped);
-    iso_json_integer(json, "dropped", object->report.dropped);
+    iso_json_integer(json, "dropped", object->file.report.dropped);
     if (object->settings->opacity >= 1) {
         iso_json_integer(json, "samples", object->scene.drawn.samples);
         if (has_lines(object) && !object->scene.pyramid_lines)
@@ -308,8 +252,8 @@ void isorender_object_put(iso_json *json, const isorender_object *object) {
     const double bounds[6] = {box->lo.x, box->hi.x, box->lo.y, box->hi.y, box->lo.z, box->hi.z};
     iso_json_begin_object(json, NULL);
     iso_json_string(json, "path", object->settings->path);
-    if (object->settings->kind == ISORENDER_MESH)
-        iso_json_integer(json, "triangles", object->mesh.triangle_count);
+    if (object->settings->kind == ISO_OBJECT_MESH)
+        iso_json_integer(json, "triangles", object->file.mesh.triangle_count);
     else
         put_shapes(json, object);
     if (object->scene.by_cpu) iso_json_string(json, "backend", "cpu");
@@ -323,9 +267,9 @@ void isorender_object_info_columns(const isorender_object *object) {
     const iso_attribute *attributes = attributes_of(object, &count);
     for (int i = 0; i < count; i++) {
         const iso_attribute *a = &attributes[i];
-        const size_t items = !has_lines(object) ? object->glyphs.count
-                             : a->per_line      ? object->lines.line_count
-                                                : object->lines.vertex_count;
+        const size_t items = !has_lines(object) ? object->file.glyphs.count
+                             : a->per_line      ? object->file.lines.line_count
+                                                : object->file.lines.vertex_count;
         double range[2];
         printf("  %-11s ", i ? "" : "columns");
         iso_text_put(stdout, a->name);
@@ -339,22 +283,23 @@ void isorender_object_info_columns(const isorender_object *object) {
 }
 
 static void print_contents(const isorender_object *object) {
-    printf("  %-11s %s, %s%s\n", "format", object->report.format, space_name(object->report.space),
-           object->report.space_stated ? "" : " (not stated in the file)");
-    if (object->field.components) isorender_field_info(object);
+    printf("  %-11s %s, %s%s\n", "format", object->file.report.format, space_name(object->file.report.space),
+           object->file.report.space_stated ? "" : " (not stated in the file)");
+    if (object->file.field.components) isorender_field_info(object);
     if (has_lines(object))
-        printf("  %-11s %zu, %zu vertices%s\n", "lines", object->lines.line_count, object->lines.vertex_count,
-               object->lines.radii ? ", with radii" : "");
+        printf("  %-11s %zu, %zu vertices%s\n", "lines", object->file.lines.line_count,
+               object->file.lines.vertex_count, object->file.lines.radii ? ", with radii" : "");
     else
-        printf("  %-11s %zu%s\n", "glyphs", object->glyphs.count, object->glyphs.radii ? ", with radii" : "");
+        printf("  %-11s %zu%s\n", "glyphs", object->file.glyphs.count,
+               object->file.glyphs.radii ? ", with radii" : "");
 }
 
 static iso_box contents_bounds(const isorender_object *object) {
     iso_box box = iso_box_empty();
-    if (has_lines(object)) return iso_lines_bounds(&object->lines);
-    if (object->settings->kind == ISORENDER_GLYPHS) return iso_glyphs_bounds(&object->glyphs);
-    for (size_t i = 0; i < object->mesh.vertex_count; i++) {
-        const float *p = object->mesh.vertices[i];
+    if (has_lines(object)) return iso_lines_bounds(&object->file.lines);
+    if (object->settings->kind == ISO_OBJECT_GLYPHS) return iso_glyphs_bounds(&object->file.glyphs);
+    for (size_t i = 0; i < object->file.mesh.vertex_count; i++) {
+        const float *p = object->file.mesh.vertices[i];
         iso_box_add(&box, iso_vec3_make((double)p[0], (double)p[1], (double)p[2]));
     }
     return box;
@@ -365,11 +310,11 @@ void isorender_object_info(const isorender_object *object) {
     if (isorender_object_is_surface(object->settings)) return; /* nothing is extracted for --info */
     iso_text_put(stdout, object->settings->path);
     printf("\n");
-    if (object->settings->kind == ISORENDER_MESH)
-        printf("  %-11s %zu\n", "triangles", object->mesh.triangle_count);
+    if (object->settings->kind == ISO_OBJECT_MESH)
+        printf("  %-11s %zu\n", "triangles", object->file.mesh.triangle_count);
     else
         print_contents(object);
     printf("  %-11s %.6g %.6g %.6g .. %.6g %.6g %.6g%s\n", "bounds", box.lo.x, box.lo.y, box.lo.z, box.hi.x,
-           box.hi.y, box.hi.z, iso_world_unit_suffix(object->report.unit));
+           box.hi.y, box.hi.z, iso_world_unit_suffix(object->file.report.unit));
     isorender_object_info_columns(object);
 }

@@ -5,33 +5,13 @@
 #include "apps/common/json.h"
 #include "apps/isorender/object_settings.h"
 #include "base/parallel.h"
-#include "extract/lines/mesh_lines.h"
-#include "extract/vectors/gradient_glyphs.h"
-#include "extract/vectors/streamlines.h"
-#include "extract/vectors/vector_glyphs.h"
-#include "io/common/read_opts.h"
-#include "scene/object.h"
-
-/* Facts about the volume of vectors or tensors that an object was made of. */
-typedef struct isorender_field {
-    int dims[3];
-    int components; /* of the file; 0: the object is not made of a volume */
-    iso_vectors_totals vectors;
-    iso_vector_glyphs_totals glyphs;
-    iso_streamlines_totals lines;
-} isorender_field;
+#include "scene/object_file.h"
 
 /* One file. Zero-initialise, isorender_object_free when done. */
 typedef struct isorender_object {
     const isorender_object_settings *settings; /* borrowed; the path is NULL for the input itself */
     /* What the file holds, by settings->kind; lines and glyphs with the radii and colours that are drawn. */
-    iso_lines lines;
-    iso_glyphs glyphs;
-    iso_triangles mesh;
-    iso_read_report report;        /* of lines and glyphs */
-    isorender_field field;         /* of a volume */
-    iso_mesh_lines *branches;      /* of a mesh in --lines: what it became and other objects draw */
-    size_t mesh_triangles;         /* of this mesh */
+    iso_object_file file;
     isorender_object_settings own; /* of lines and triangles of such a mesh: its own settings */
     const struct isorender_object
         *whole; /* the object whose file this one is a part of; NULL: it has its own */
@@ -93,12 +73,6 @@ void isorender_gradients_put(iso_json *json, const isorender_object *object);
 
 /* ---- object_fields.c */
 
-/* Whether a file of lines or glyphs is a volume, by its content. */
-bool isorender_object_is_field(const char *path);
-/* Reads a volume of vectors or tensors and makes lines or glyphs of it. Errors as isorender_object_read;
- * ISO_ERR_EMPTY also when there are no vectors that glyphs or lines could show. */
-iso_status isorender_object_read_field(isorender_object *object, const iso_read_opts *opts, iso_pool *pool,
-                                       iso_error *error);
 /* Returns the radius of streamlines for which none is given, mm. */
 double isorender_field_radius(const isorender_object *object);
 /* Adds members about the volume to the report of --json. */
@@ -108,10 +82,8 @@ void isorender_field_info(const isorender_object *object);
 
 /* ---- object_branches.c */
 
-/* Whether a file, in which no lines were found, is a mesh. */
-bool isorender_object_is_branches(const char *path);
-/* Makes lines of object->mesh, which is freed. ISO_ERR_EMPTY: it is not made of thin branches. */
-iso_status isorender_object_read_branches(isorender_object *object, iso_error *error);
+/* Takes what a mesh in place of lines has become: tubes if there are any, else ribbons. */
+void isorender_object_take_branches(isorender_object *object);
 
 /* ---- object_colors.c */
 

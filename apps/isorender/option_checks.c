@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "apps/common/loader.h"
 #include "apps/common/page.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/backend.h"
@@ -21,15 +20,13 @@
 #include "apps/isorender/segmentation.h"
 #include "apps/isorender/series.h"
 #include "apps/isorender/sheet.h"
-#include "image/image_file.h"
-#include "image/video.h"
 #include "io/file_contents.h"
 #include "io/mesh/mesh_read.h"
-#include "io/mesh/mesh_write.h"
 #include "scene/glass.h"
+#include "scene/loader.h"
 
-iso_status isorender_settings_add_object(isorender_settings *settings, isorender_object_kind kind,
-                                         const char *path, iso_error *error) {
+iso_status isorender_settings_add_object(isorender_settings *settings, iso_object_kind kind, const char *path,
+                                         iso_error *error) {
     isorender_object_options *objects = &settings->object_options;
     if (!*path) return iso_fail(error, ISO_ERR_USAGE, "the value is empty");
     if (objects->count == ISORENDER_OBJECTS)
@@ -41,11 +38,11 @@ iso_status isorender_settings_add_object(isorender_settings *settings, isorender
 }
 
 /* The kind of object that a file holds besides faces; false: it is a volume, or a file of points. */
-static bool is_object(const char *name, isorender_object_kind *kind) {
+static bool is_object(const char *name, iso_object_kind *kind) {
     const unsigned holds = iso_file_contents(name);
-    *kind = holds & ISO_HOLDS_LINES    ? ISORENDER_LINES
-            : holds & ISO_HOLDS_GLYPHS ? ISORENDER_GLYPHS
-                                       : ISORENDER_MESH;
+    *kind = holds & ISO_HOLDS_LINES    ? ISO_OBJECT_LINES
+            : holds & ISO_HOLDS_GLYPHS ? ISO_OBJECT_GLYPHS
+                                       : ISO_OBJECT_MESH;
     return holds & ISO_HOLDS_SHAPES && !(holds & (ISO_HOLDS_VOLUME | ISO_HOLDS_POINTS));
 }
 
@@ -76,10 +73,10 @@ static bool is_mesh(isorender_settings *settings) {
  */
 static iso_status take_object(isorender_settings *settings, iso_error *error) {
     isorender_object_options *objects = &settings->object_options;
-    isorender_object_kind kind;
+    iso_object_kind kind;
     if (settings->no_input || settings->scene || settings->common.input.has_raw) return ISO_OK;
     if (settings->input_count == 1 && is_mesh(settings))
-        kind = ISORENDER_MESH;
+        kind = ISO_OBJECT_MESH;
     else if (!is_object(settings->inputs[0], &kind) ||
              iso_loader_reads_points(settings->inputs[0], settings->columns))
         return ISO_OK;
@@ -406,9 +403,9 @@ bool isorender_is_translucent(const isorender_settings *settings) {
 }
 
 const char *isorender_object_opacity_option(const isorender_settings *settings) {
-    static const char *const names[ISORENDER_OBJECT_KINDS] = {[ISORENDER_LINES] = "--line-opacity",
-                                                              [ISORENDER_GLYPHS] = "--glyph-opacity",
-                                                              [ISORENDER_MESH] = "--surface-opacity"};
+    static const char *const names[ISO_OBJECT_KINDS] = {[ISO_OBJECT_LINES] = "--line-opacity",
+                                                        [ISO_OBJECT_GLYPHS] = "--glyph-opacity",
+                                                        [ISO_OBJECT_MESH] = "--surface-opacity"};
     for (int i = 0; i < settings->object_options.count; i++)
         if (settings->objects[i].opacity < 1) return names[settings->objects[i].kind];
     return NULL;
@@ -630,7 +627,7 @@ static iso_status check_objects(isorender_settings *settings, iso_error *error) 
     ISO_TRY(isorender_objects_resolve(&settings->object_options, settings->objects, &settings->cloud, error));
     isorender_object_settings *first = &settings->objects[0];
     if (settings->no_input && settings->input_count && settings->object_options.count &&
-        settings->color_count && first->kind == ISORENDER_MESH && first->path == settings->inputs[0] &&
+        settings->color_count && first->kind == ISO_OBJECT_MESH && first->path == settings->inputs[0] &&
         !first->colored) {
         first->colored = true;
         first->color = settings->colors[0];

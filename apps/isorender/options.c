@@ -122,15 +122,15 @@ static iso_status apply_opacity(void *target, const char *value, iso_error *erro
 }
 
 static iso_status apply_lines(void *target, const char *value, iso_error *error) {
-    return isorender_settings_add_object(target, ISORENDER_LINES, value, error);
+    return isorender_settings_add_object(target, ISO_OBJECT_LINES, value, error);
 }
 
 static iso_status apply_glyphs(void *target, const char *value, iso_error *error) {
-    return isorender_settings_add_object(target, ISORENDER_GLYPHS, value, error);
+    return isorender_settings_add_object(target, ISO_OBJECT_GLYPHS, value, error);
 }
 
 static iso_status apply_surface(void *target, const char *value, iso_error *error) {
-    return isorender_settings_add_object(target, ISORENDER_MESH, value, error);
+    return isorender_settings_add_object(target, ISO_OBJECT_MESH, value, error);
 }
 
 static iso_status apply_volume(void *target, const char *value, iso_error *error) {

@@ -183,7 +183,7 @@ static void log_page(const isorender_job *job, const iso_page_written *written) 
 /* The labels of the page; items: of all, to be filled. */
 static iso_page_labels labels_of(const isorender_job *job, const iso_page_surface *groups,
                                  iso_page_label *items) {
-    const isorender_segmentation *s = job->segmentation;
+    const iso_segmentation *s = job->segmentation;
     iso_page_labels made = {.transform = &s->labels.transform,
                             .number = s->labels.number,
                             .items = items,
@@ -204,7 +204,7 @@ static iso_status list_lines(const isorender_job *job, const char *path, iso_pag
     const isorender_line_pixels pixels = {job->settings->line_min_pixels, job->settings->line_drop_pixels};
     for (int i = 0; i < job->object_count; i++) {
         const isorender_object *object = &job->objects[i];
-        if (object->settings->kind != ISORENDER_LINES)
+        if (object->settings->kind != ISO_OBJECT_LINES)
             return iso_fail(
                 error, ISO_ERR_UNSUPPORTED,
                 "%s: a page has lines, but no triangles: not all of the mesh in --lines has become lines",
@@ -234,7 +234,7 @@ iso_status isorender_page_write(isorender_job *job, const iso_image *image, cons
     ISO_TRY(check_grid(job, path, error));
     const int isosurfaces = job->input_surface_count;
     iso_rgrid *grid = isosurfaces ? job->surfaces[0].scene.grid.rgrid : NULL;
-    const isorender_segmentation *s = job->segmentation;
+    const iso_segmentation *s = job->segmentation;
     iso_page_label *items = s ? calloc((size_t)s->labels.count, sizeof *items) : NULL;
     if (s && !items) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     const iso_page_labels labels = s ? labels_of(job, surfaces + isosurfaces, items) : (iso_page_labels){0};

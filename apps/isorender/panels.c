@@ -4,13 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/common/input_spool.h"
-#include "apps/common/picture_grid.h"
 #include "apps/common/template.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/scene_file.h"
 #include "base/memory.h"
-#include "image/font.h"
+#include "scene/input_spool.h"
+#include "scene/picture_grid.h"
 
 enum { PANELS = 26, TITLE = 160 }; /* letters a to z */
 
@@ -249,7 +248,7 @@ static iso_status take_titles(sheet *p, iso_error *error) {
             return iso_fail(error, ISO_ERR_USAGE, "--panel-titles: %d titles for %d panels", l.count,
                             p->count);
         for (int i = 0; i < p->count; i++) {
-            ISO_TRY(iso_font_check(l.items[i], error));
+            ISO_TRY(iso_drawing_check_text(l.items[i], error));
             snprintf(p->cells[i]->title, TITLE, "%s", l.items[i]);
         }
     }
@@ -387,13 +386,12 @@ static iso_status run_cells(sheet *p, const means *m, bool survey, iso_error *er
 
 static iso_status lay_out(sheet *p, iso_error *error) {
     const isorender_settings *s = p->settings;
-    p->grid =
-        (iso_picture_grid){.count = p->count,
-                           .columns = s->panel_columns,
-                           .panel = {s->width, s->height},
-                           .font = iso_annotation_font_size(isorender_font_pixels(s), s->width, s->height),
-                           .background = s->background,
-                           .transparent = s->transparent != 0};
+    p->grid = (iso_picture_grid){.count = p->count,
+                                 .columns = s->panel_columns,
+                                 .panel = {s->width, s->height},
+                                 .font = isorender_font_pixels(s),
+                                 .background = s->background,
+                                 .transparent = s->transparent != 0};
     return iso_picture_grid_lay_out(&p->grid, "--panels", iso_memory_limit(s->common.input.max_memory),
                                     error);
 }

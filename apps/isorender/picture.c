@@ -17,9 +17,6 @@
 #include "apps/isorender/scene_file.h"
 #include "base/clock.h"
 #include "base/memory.h"
-#include "image/exr.h"
-#include "image/image_file.h"
-#include "image/video.h"
 #include "io/key_file.h"
 
 /* ---- one picture ---- */
@@ -107,36 +104,37 @@ double isorender_pixels_per_metre(const isorender_job *job) {
     return density < 2e8 ? density : 0; /* (molecules: no file can state it) */
 }
 
+/* What the file of a picture tells; borrows `labels`. */
+static iso_picture_facts facts_of(const isorender_job *job, const isorender_labels *labels) {
+    return (iso_picture_facts){.software = labels->software,
+                               .title = job->plan->model,
+                               .command = labels->command,
+                               .description = labels->isovalues[0] ? labels->isovalues : NULL,
+                               .scene = labels->scene,
+                               .pixels_per_metre = isorender_pixels_per_metre(job),
+                               .sized = job->settings->dpi > 0,
+                               .pool = job->pool};
+}
+
 iso_status isorender_write_picture(isorender_job *job, iso_image *image, const iso_drawing *over,
                                    const char *path, iso_error *error) {
-    isorender_labels l;
+    isorender_labels labels;
     if (iso_page_is_named(path)) return isorender_page_write(job, image, path, error);
-    ISO_TRY(isorender_labels_make(job, &l, error));
-    iso_png_text texts[ISO_KEY_TEXTS] = {
-        {"Software", l.software}, {"Title", job->plan->model}, {"Comment", l.command}};
-    const bool sheet = iso_image_is_sheet(path); /* of a size in points, not of that of what it shows */
-    int count = 3;
-    if (l.isovalues[0]) texts[count++] = (iso_png_text){"Description", l.isovalues};
-    if (l.scene) texts[count++] = (iso_png_text){"Scene", l.scene};
-    const iso_png_opts opts = {.texts = texts,
-                               .text_count = count,
-                               .pixels_per_metre =
-                                   sheet && !(job->settings->dpi > 0) ? 0 : isorender_pixels_per_metre(job),
-                               .pool = job->pool};
-    const iso_status status = iso_image_file_write_drawing(path, image, over, &opts, error);
-    isorender_labels_free(&l);
+    ISO_TRY(isorender_labels_make(job, &labels, error));
+    const iso_picture_facts facts = facts_of(job, &labels);
+    const iso_status status = iso_picture_file_write(path, image, over, &facts, error);
+    isorender_labels_free(&labels);
     return status;
 }
 
 static iso_status write_aov(isorender_job *job, int frame, const iso_aov *aov, const char *path,
                             iso_error *error) {
-    isorender_labels l;
-    ISO_TRY(isorender_labels_make(job, &l, error));
-    iso_camera camera = isorender_camera_of_frame(job, frame);
-    iso_view view = iso_view_make(&camera, aov->width, aov->height);
-    const iso_exr_info info = {.view = &view, .software = l.software, .comments = l.command};
-    const iso_status status = iso_exr_write(path, aov, &info, job->pool, error);
-    isorender_labels_free(&l);
+    isorender_labels labels;
+    ISO_TRY(isorender_labels_make(job, &labels, error));
+    const iso_camera camera = isorender_camera_of_frame(job, frame);
+    const iso_picture_facts facts = facts_of(job, &labels);
+    const iso_status status = iso_picture_file_write_aov(path, aov, &camera, &facts, error);
+    isorender_labels_free(&labels);
     return status;
 }
 
@@ -323,26 +321,16 @@ isorender_film isorender_film_of(const isorender_settings *settings) {
 static iso_status film_picture(isorender_job *job, int frame, const iso_image *image, iso_error *error) {
     const isorender_settings *settings = job->settings;
     isorender_film *film = settings->film;
-    if (!film->video) {
-        isorender_labels l;
-        ISO_TRY(isorender_labels_make(job, &l, error));
-        const iso_video_opts opts = {.width = image->width,
-                                     .height = image->height,
-                                     .frame_rate = settings->frame_rate,
-                                     .transparent = settings->transparent != 0,
-                                     .title = job->plan->model,
-                                     .text = l.command};
-        const iso_status status = iso_video_open(job->plan->image, &opts, &film->video, error);
-        isorender_labels_free(&l);
-        ISO_TRY(status);
-    }
-    ISO_TRY(iso_video_add(film->video, image, error));
-    if (film->first + frame + 1 < film->count) return ISO_OK;
-    iso_video *whole = film->video;
-    film->video = NULL;
-    ISO_TRY(iso_video_commit(whole, error));
-    job->frames_written = 1;
-    return ISO_OK;
+    const bool last = film->first + frame + 1 >= film->count;
+    isorender_labels labels;
+    ISO_TRY(isorender_labels_make(job, &labels, error));
+    const iso_picture_facts facts = facts_of(job, &labels);
+    const iso_status status =
+        iso_picture_file_add(job->plan->image, image, settings->frame_rate, settings->transparent != 0,
+                             &facts, last, &film->video, error);
+    isorender_labels_free(&labels);
+    if (status == ISO_OK && last) job->frames_written = 1;
+    return status;
 }
 
 static iso_status save_image(isorender_job *job, int frame, canvas *c, iso_error *error) {
@@ -471,8 +459,8 @@ uint64_t isorender_picture_bytes(const isorender_job *job, int samples) {
     enum { PYRAMID = 24, SETS = 104 }; /* bytes a sample; drawn in parts as well */
     bool sets = false, meshes = job->method == ISO_METHOD_HYBRID;
     for (int i = 0; i < settings->object_options.count; i++) {
-        sets |= settings->object_options.kinds[i] != ISORENDER_GLYPHS;
-        meshes |= settings->object_options.kinds[i] == ISORENDER_MESH;
+        sets |= settings->object_options.kinds[i] != ISO_OBJECT_GLYPHS;
+        meshes |= settings->object_options.kinds[i] == ISO_OBJECT_MESH;
     }
     if (meshes) bytes += gbuffer; /* the triangles' picture */
     uint64_t pyramid = count * (PYRAMID + (sets && pyramids ? SETS : 0));

@@ -3,13 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/common/loader.h"
 #include "apps/common/template.h"
 #include "apps/isorender/plan.h"
 #include "base/file.h"
-#include "image/exr.h"
-#include "image/image_file.h"
-#include "image/video.h"
+#include "scene/loader.h"
 
 /* The name of what there is one of for every frame. The name of a single picture is complete. That of several
  * of an input stays a template, with {model}: the input's name may have braces of its own. */
@@ -211,10 +208,8 @@ static iso_status check_first_frame(const isorender_plan *plan, const char *name
 }
 
 iso_status isorender_plan_check_writable(const isorender_plan *plan, iso_error *error) {
-    if (plan->image) ISO_TRY(iso_image_file_check(plan->image, error));
+    ISO_TRY(iso_picture_file_check(plan->image, plan->aov, error));
     ISO_TRY(check_first_frame(plan, plan->image, error));
-    if (plan->aov && !iso_exr_available())
-        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: built without OpenEXR", plan->aov);
     ISO_TRY(check_first_frame(plan, plan->aov, error));
     ISO_TRY(iso_sink_check(plan->points, error));
     ISO_TRY(iso_sink_check(plan->mesh, error));

@@ -12,7 +12,6 @@
 #include "apps/isorender/segmentation.h"
 #include "base/file.h"
 #include "base/memory.h"
-#include "image/annotate.h"
 
 static void put_vector(iso_json *json, const char *key, iso_vec3 v) {
     const double values[3] = {v.x, v.y, v.z};
@@ -73,9 +72,7 @@ static void put_histogram(iso_json *json, const isorender_job *job) {
     for (int i = 0; i < ISO_HISTOGRAM_BINS; i++) bins[i] = (double)histogram->bins[i];
     iso_json_reals(json, "bins", bins, ISO_HISTOGRAM_BINS);
     iso_json_end_object(json);
-    double candidates[ISO_ISOVALUE_CANDIDATES];
-    size_t count = iso_isovalue_suggest(&job->loader.volume.grid, histogram, candidates);
-    iso_json_reals(json, "suggested_isovalues", candidates, (int)count);
+    iso_json_reals(json, "suggested_isovalues", job->loader.candidates, (int)job->loader.candidate_count);
 }
 
 static void put_info(iso_json *json, const isorender_job *job) {

@@ -17,7 +17,6 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "image/video.h"
 
 /* A volume without finite voxels has no histogram. */
 static iso_status make_histogram(iso_loader *loader, iso_error *error) {

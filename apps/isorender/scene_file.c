@@ -11,8 +11,6 @@
 #include "apps/common/value_path.h"
 #include "apps/isorender/labels.h"
 #include "base/file_types.h"
-#include "image/image_file.h"
-#include "image/video.h"
 
 /* ---- writing */
 

@@ -4,31 +4,7 @@
 #define ISO_APPS_ISORENDER_SEGMENTATION_H
 
 #include "apps/isorender/isorender.h"
-#include "grids/labels/label_fields.h"
-#include "grids/labels/label_names.h"
-#include "scene/label_colors.h"
-
-/* How a label is drawn. */
-typedef struct isorender_label {
-    char name[ISO_LABEL_NAME]; /* "label 7" if nothing states it */
-    iso_rgb color;
-    double opacity; /* 0: it is not drawn */
-} isorender_label;
-
-/* Owned by the job. */
-typedef struct isorender_segmentation {
-    iso_loader loader;
-    iso_input input; /* how the file is read */
-    iso_labels labels;
-    /* What the file states. If `layered`, label n is its n-th segment: segments of several layers. */
-    iso_label_names stated;
-    bool layered;
-    isorender_label *items; /* by place in labels.label */
-    uint8_t *group;         /* of each label: that of its surface */
-    iso_rgb *colors;        /* of each label */
-    iso_label_fields *fields;
-    iso_label_colors shared; /* of the labels that are opaque, which share a surface */
-} isorender_segmentation;
+#include "scene/segmentation.h"
 
 /* The path of the labels; NULL: there are none. */
 const char *isorender_labels_path(const isorender_job *job);

@@ -8,12 +8,12 @@
 #include "apps/isorender/sheet_settings.h"
 #include "apps/isorender/volume_settings.h"
 #include "base/mpi_ranks.h"
-#include "extract/mesh/mesh_edit.h"
-#include "image/annotate.h"
 #include "isopoint.h"
 #include "scene/caps.h"
 #include "scene/cuts.h"
 #include "scene/method.h"
+#include "scene/picture_file.h"
+#include "scene/solid.h"
 
 enum { ISORENDER_SURFACES = 64 };      /* isosurfaces in one picture */
 enum { ISORENDER_MOST_OPTIONS = 256 }; /* rows of the table of options */
@@ -67,7 +67,7 @@ typedef struct isorender_same_view {
 
 /* The pictures of all inputs that go into one film, or of one input. */
 typedef struct isorender_film {
-    struct iso_video *video;    /* that is being written; NULL: none */
+    iso_video *video;           /* that is being written; NULL: none */
     int first, count;           /* the input's first picture in the film; pictures of the whole film */
     bool measuring, has_bounds; /* inputs are looked at only for what they share: */
     iso_box bounds;             /* what all pictures frame, mm, */

@@ -12,7 +12,6 @@
 #include "apps/isorender/panels.h"
 #include "base/file_identity.h"
 #include "base/memory.h"
-#include "extract/mesh/mesh_measure.h"
 #include "scene/distances.h"
 
 /* ---- options */
@@ -245,13 +244,8 @@ iso_status isorender_tile_measure(isorender_job *job, iso_error *error) {
         tile->measure = measure == ISORENDER_MEASURE_VOLUME ? parts.kept_volume : (double)parts.kept;
     }
     if (measure == ISORENDER_MEASURE_AREA) {
-        iso_weld weld;
         iso_mesh_measures mesh;
-        ISO_TRY(iso_isosurface_mesh(&surface->scene.grid, surface->scene.isovalue, job->pool, &weld, error));
-        const iso_status status =
-            iso_weld_measure(&weld, iso_grid_transform(&surface->scene.grid), job->pool, &mesh, error);
-        iso_weld_free(&weld);
-        ISO_TRY(status);
+        ISO_TRY(iso_solid_measure(&surface->scene.grid, surface->scene.isovalue, job->pool, &mesh, error));
         tile->measure = mesh.area;
     }
     return ISO_OK;
@@ -281,27 +275,26 @@ static iso_status make_sheet(maker *m, int *code, iso_error *error) {
                        : measure == ISORENDER_MEASURE_AREA ? "mm2"
                                                            : "";
     const isorender_settings *s = m->settings;
-    iso_contact_sheet sheet = {
-        .program = isorender_program(),
-        .output = s->output,
-        .inputs = s->inputs,
-        .beside = (const char *const *)s->sheet.bids.masks,
-        .count = s->input_count,
-        .jobs = s->sheet.jobs,
-        .values = {{"isovalue", ""}},
-        .value_count = measure && measure != ISORENDER_MEASURE_ISOVALUE ? 2 : 1,
-        .grid = {.columns = s->panel_columns,
-                 .panel = {s->width, s->height},
-                 .font = iso_annotation_font_size(isorender_font_pixels(s), s->width, s->height),
-                 .background = s->background,
-                 .transparent = s->transparent != 0},
-        .json = s->common.json,
-        .quiet = s->common.quiet,
-        .json_path = s->common.json_path,
-        .max_memory = iso_memory_limit(s->common.input.max_memory),
-        .find_key = find_key,
-        .draw = draw,
-        .context = m};
+    iso_contact_sheet sheet = {.program = isorender_program(),
+                               .output = s->output,
+                               .inputs = s->inputs,
+                               .beside = (const char *const *)s->sheet.bids.masks,
+                               .count = s->input_count,
+                               .jobs = s->sheet.jobs,
+                               .values = {{"isovalue", ""}},
+                               .value_count = measure && measure != ISORENDER_MEASURE_ISOVALUE ? 2 : 1,
+                               .grid = {.columns = s->panel_columns,
+                                        .panel = {s->width, s->height},
+                                        .font = isorender_font_pixels(s),
+                                        .background = s->background,
+                                        .transparent = s->transparent != 0},
+                               .json = s->common.json,
+                               .quiet = s->common.quiet,
+                               .json_path = s->common.json_path,
+                               .max_memory = iso_memory_limit(s->common.input.max_memory),
+                               .find_key = find_key,
+                               .draw = draw,
+                               .context = m};
     sheet.shown = measure ? sheet.value_count - 1 : -1;
     sheet.values[1] = (iso_sheet_value){isorender_measures[measure], unit};
     m->threads = s->common.threads;

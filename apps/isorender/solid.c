@@ -5,10 +5,6 @@
 
 #include "apps/common/json_parts.h"
 #include "apps/isorender/isorender.h"
-#include "extract/mesh/mesh_measure.h"
-#include "grids/parts/closed.h"
-#include "grids/parts/components.h"
-#include "scene/hollow.h"
 
 static bool drops_parts(const isorender_settings *settings) {
     return iso_input_drops_parts(&settings->common.input);
@@ -39,44 +35,14 @@ static iso_status check_primitive(const isorender_job *job, iso_error *error) {
     return ISO_OK;
 }
 
-static void log_parts(const isorender_job *job, const isorender_surface *surface) {
+static void log_parts(const isorender_job *job, const isorender_surface *surface, double isovalue) {
     const iso_components_totals *parts = &surface->parts;
     isorender_log(job,
                   "isovalue %g: kept %zu of %zu parts of the solid, dropped %zu with %.3g %% of its volume "
                   "(%.6g of %.6g mm3, counted in voxels)",
-                  surface->scene.isovalue, parts->kept, parts->kept + parts->dropped, parts->dropped,
+                  isovalue, parts->kept, parts->kept + parts->dropped, parts->dropped,
                   100 * parts->dropped_share, parts->dropped_volume,
                   parts->kept_volume + parts->dropped_volume);
-}
-
-static iso_status drop_parts(isorender_job *job, isorender_surface *surface, iso_error *error) {
-    const isorender_settings *settings = job->settings;
-    const iso_components_opts opts = {.isovalue = surface->scene.isovalue,
-                                      .largest = (size_t)settings->common.input.largest,
-                                      .min_volume = settings->common.input.min_size,
-                                      .pool = job->pool};
-    /* Parts are dropped from a copy, because another surface may need them. */
-    if (makes_copies(job, job->surface_count)) {
-        ISO_TRY(iso_grid_copy(&job->loader.volume.grid, job->pool, &surface->own_grid, error));
-        surface->scene.grid = surface->own_grid;
-    }
-    ISO_TRY(iso_components_filter(&surface->scene.grid, &opts, &surface->parts, error));
-    if (surface->parts.kept) log_parts(job, surface);
-    return ISO_OK;
-}
-
-/* The solid becomes its wall: a level set, in pictures too. */
-static iso_status make_hollow(isorender_job *job, isorender_surface *surface, iso_error *error) {
-    const isorender_settings *settings = job->settings;
-    const iso_hollow_opts opts = {
-        .wall = settings->hollow, .drain = settings->drain, .up = settings->up, .pool = job->pool};
-    iso_hgrid *hollow;
-    ISO_TRY(iso_grid_hollow(&surface->scene.grid, surface->scene.isovalue, &opts, &hollow, error));
-    iso_grid_destroy(&surface->own_grid);
-    surface->own_grid = (iso_grid){.hgrid = hollow};
-    surface->scene.grid = surface->own_grid;
-    surface->scene.isovalue = 0;
-    return ISO_OK;
 }
 
 iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surface, iso_error *error) {
@@ -84,13 +50,22 @@ iso_status isorender_solid_prepare(isorender_job *job, isorender_surface *surfac
     surface->scene.grid = surface->loader->volume.grid;
     if (surface->loader != &job->loader) return ISO_OK; /* --largest and --closed are for the input only */
     ISO_TRY(check_primitive(job, error));
-    if (drops_parts(job->settings)) ISO_TRY(drop_parts(job, surface, error));
-    if (!job->settings->closed) return ISO_OK;
-    iso_grid closed;
-    ISO_TRY(iso_grid_close(&surface->scene.grid, surface->scene.isovalue, job->pool, &closed, error));
-    iso_grid_destroy(&surface->own_grid);
-    surface->scene.grid = surface->own_grid = closed;
-    return job->settings->hollow > 0 ? make_hollow(job, surface, error) : ISO_OK;
+    const isorender_settings *settings = job->settings;
+    const iso_hollow_opts hollow = {.drain = settings->drain, .up = settings->up};
+    const iso_solid_opts opts = {.largest = (size_t)settings->common.input.largest,
+                                 .min_volume = settings->common.input.min_size,
+                                 .copied = makes_copies(job, job->surface_count),
+                                 .closed = settings->closed != 0,
+                                 .hollow = settings->hollow,
+                                 .how = &hollow,
+                                 .pool = job->pool};
+    const double isovalue = surface->scene.isovalue;
+    iso_grid *own = &surface->own_grid;
+    ISO_TRY(
+        iso_solid_make(&surface->scene.grid, &opts, &surface->scene.isovalue, own, &surface->parts, error));
+    if (surface->parts.kept) log_parts(job, surface, isovalue);
+    if (own->rgrid || own->hgrid) surface->scene.grid = *own;
+    return ISO_OK;
 }
 
 static void log_mesh(const isorender_job *job, const isorender_surface *surface) {
@@ -102,21 +77,20 @@ static void log_mesh(const isorender_job *job, const isorender_surface *surface)
         surface->scene.isovalue, m->pieces, m->area, m->volume, m->open_edges, m->euler);
 }
 
-iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface, iso_weld *weld,
-                               iso_error *error) {
-    const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
-    ISO_TRY(iso_mesh_weld(&view, NULL, weld, error));
-    /* Caps lie this far outside the volume, so that they are flat. */
-    if (job->settings->closed) iso_weld_separate(&view, ISO_CLOSED_TOLERANCE, weld);
+iso_status isorender_mesh_weld(const isorender_job *job, isorender_surface *surface,
+                               const iso_coloring *coloring, iso_weld *weld, iso_error *error) {
     const isorender_settings *settings = job->settings;
-    iso_status status = iso_weld_edit(weld, &view.transform, &settings->mesh_edits, error);
     const bool said = job->plan->mesh && !settings->common.quiet;
     const bool measured = settings->common.json || settings->verbose || said;
-    if (status == ISO_OK && measured)
-        status = iso_weld_measure(weld, &view.transform, job->pool, &surface->measures, error);
-    if (status != ISO_OK) iso_weld_free(weld);
-    if (status == ISO_OK && measured) log_mesh(job, surface);
-    return status;
+    const iso_mesh_view view = iso_mesh_set_view(surface->scene.mesh);
+    const iso_solid_mesh_opts opts = {.closed = settings->closed != 0,
+                                      .edits = &settings->mesh_edits,
+                                      .coloring = coloring,
+                                      .measures = measured ? &surface->measures : NULL,
+                                      .pool = job->pool};
+    ISO_TRY(iso_solid_weld(&view, &opts, weld, error));
+    if (measured) log_mesh(job, surface);
+    return ISO_OK;
 }
 
 /* ---- the report */

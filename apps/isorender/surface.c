@@ -9,8 +9,6 @@
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/label_meshes.h"
 #include "apps/isorender/segmentation.h"
-#include "io/mesh/mesh_write.h"
-#include "io/points_write.h"
 #include "scene/bounds.h"
 
 /* ---- which isovalues ---- */
@@ -19,30 +17,24 @@ static bool is_of_input(const isorender_job *job, const isorender_surface *surfa
     return surface->loader == &job->loader;
 }
 
-static iso_status suggest_isovalue(isorender_job *job, isorender_surface *surface, iso_error *error) {
-    iso_loader *loader = surface->loader;
+/* Says which isovalue was chosen. */
+static void log_isovalue(isorender_job *job, const isorender_surface *surface) {
+    const iso_loader *loader = surface->loader;
+    const double *candidates = loader->candidates;
     /* The input is named already. */
     const bool is_input = is_of_input(job, surface), is_channel = loader->options->channel;
     char title[ISORENDER_CHANNEL_TITLE];
     const char *name = is_channel ? isorender_channel_title(loader, title) : is_input ? "" : loader->input;
     const char *colon = *name ? ": " : "";
-    ISO_TRY(iso_loader_histogram(loader, error));
-    double candidates[ISO_ISOVALUE_CANDIDATES];
-    size_t count = iso_isovalue_suggest(&loader->volume.grid, &loader->histogram, candidates);
-    if (count == 0)
-        return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
-                        loader->histogram.minimum);
-    surface->scene.isovalue = candidates[0];
-    if (job->isovalue_logged && is_input) return ISO_OK;
+    if (job->isovalue_logged && is_input) return;
     job->isovalue_logged |= is_input;
     if (iso_grid_is_level_set(&loader->volume.grid))
         isorender_log(job, "%s%sisovalue %g (a level set)", name, colon, candidates[0]);
-    else if (count < ISO_ISOVALUE_CANDIDATES)
+    else if (loader->candidate_count < ISO_ISOVALUE_CANDIDATES)
         isorender_log(job, "%s%sisovalue %g (Otsu's threshold, 1979)", name, colon, candidates[0]);
     else
         isorender_log(job, "%s%sisovalue %g (Otsu's threshold, 1979); next candidates: %g and %g", name,
                       colon, candidates[0], candidates[1], candidates[2]);
-    return ISO_OK;
 }
 
 /* Within a voxel of the end of the narrow band, neighbouring values are clamped. */
@@ -71,13 +63,15 @@ static iso_status choose_isovalue(isorender_job *job, isorender_surface *surface
                                   iso_error *error) {
     iso_loader *loader = surface->loader;
     double given = chosen.value;
+    bool is_chosen;
     if (chosen.sigma && !loader->has_points) ISO_TRY(find_sigma(job, loader, chosen.value, &given, error));
-    surface->scene.isovalue = isnan(given) ? loader->scene_isovalue : given;
+    surface->scene.isovalue = given;
     if (loader->has_points) return ISO_OK;
-    if (isnan(surface->scene.isovalue)) return suggest_isovalue(job, surface, error);
-    if (isnan(given)) return ISO_OK;
-    ISO_TRY(iso_isovalue_check(&loader->volume.grid, given, error));
-    warn_of_band_end(job, surface);
+    ISO_TRY(iso_loader_isovalue(loader, given, &surface->scene.isovalue, &is_chosen, error));
+    if (is_chosen)
+        log_isovalue(job, surface);
+    else if (!isnan(given))
+        warn_of_band_end(job, surface);
     return ISO_OK;
 }
 
@@ -431,7 +425,8 @@ static iso_status prepare_objects(isorender_job *job, iso_error *error) {
         else if (!object->settings->colored)
             object->scene.color = iso_shading_palette(job->surface_count + i);
         ISO_TRY(isorender_object_prepare(object, &pixels, job->renderer->can & ISO_CAN_PYRAMID, error));
-        if (!object->whole) log_beside(job, object->settings->path, &object->bounds, object->report.space);
+        if (!object->whole)
+            log_beside(job, object->settings->path, &object->bounds, object->file.report.space);
         object->scene.translucency = isorender_translucency(job->settings, object->settings->opacity);
         object->scene.in_pyramid = job->settings->one_pyramid && shares_pyramid(object);
         job->translucent |= object->settings->opacity < 1;
@@ -491,7 +486,7 @@ static iso_status measure_meshes(isorender_job *job, iso_error *error) {
     for (int i = 0; i < job->input_surface_count && measured && !job->plan->mesh; i++) {
         iso_weld weld;
         if (!job->surfaces[i].scene.mesh) continue;
-        ISO_TRY(isorender_mesh_weld(job, &job->surfaces[i], &weld, error));
+        ISO_TRY(isorender_mesh_weld(job, &job->surfaces[i], NULL, &weld, error));
         iso_weld_free(&weld);
     }
     return ISO_OK;
@@ -521,11 +516,8 @@ static iso_status export_meshes(isorender_job *job, const char *comment, iso_err
                                            .name = names[count],
                                            .color = &surface->color,
                                            .opacity = (double)surface->translucency.opacity};
-        status = isorender_mesh_weld(job, surface, &welds[count], error);
         const iso_coloring *coloring = isorender_colorings_exported(job, surface, "--mesh");
-        if (status == ISO_OK && coloring)
-            status = iso_coloring_weld(coloring, iso_grid_transform(&surface->scene.grid), job->pool,
-                                       &welds[count], error);
+        status = isorender_mesh_weld(job, surface, coloring, &welds[count], error);
         count++;
     }
     if (status == ISO_OK) status = iso_mesh_write_objects(job->plan->mesh, objects, count, comment, error);
@@ -536,16 +528,9 @@ static iso_status export_meshes(isorender_job *job, const char *comment, iso_err
 
 static iso_status export_points(isorender_job *job, const char *comment, iso_error *error) {
     iso_point_view view = iso_scene_surface_points(&job->surfaces[0].scene);
-    uint8_t(*colors)[3] = NULL;
     if (job->loader.has_points) view.opacities = job->cloud.opacities; /* also when drawn opaque */
     const iso_coloring *coloring = isorender_colorings_exported(job, &job->surfaces[0], "--points");
-    if (coloring) {
-        ISO_TRY(iso_coloring_points(coloring, &view, job->pool, &colors, error));
-        view.colors = (const uint8_t(*)[3])colors;
-    }
-    const iso_status status = iso_points_write_ply(job->plan->points, &view, comment, error);
-    iso_free(colors);
-    return status;
+    return iso_solid_write_points(job->plan->points, &view, coloring, job->pool, comment, error);
 }
 
 iso_status isorender_export(isorender_job *job, iso_error *error) {

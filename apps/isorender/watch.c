@@ -9,9 +9,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "apps/common/loader.h"
 #include "apps/isorender/plan.h"
 #include "base/file_identity.h"
+#include "scene/loader.h"
 
 /* A number that is another one when the files that the command reads are. */
 static uint64_t identity(const isorender_settings *given) {

@@ -4,10 +4,7 @@
 
 #include "apps/common/settings.h"
 #include "apps/isosculpt/stroke_edits.h"
-#include "extract/mesh/mesh.h"
-#include "extract/mesh/mesh_measure.h"
 #include "grids/closing/closed_mesh.h"
-#include "grids/parts/components.h"
 #include "sculpt/session/session.h"
 
 /* The engine with which the window starts. Auto: OpenGL if a GPU runs it, else the cpu engine. */

@@ -10,9 +10,6 @@
 #include "apps/common/beside.h"
 #include "base/text.h"
 #include "io/file_contents.h"
-#include "io/glyphs/glyphs_read.h"
-#include "io/lines/lines_read.h"
-#include "io/mesh/mesh_read.h"
 #include "source/source.h"
 
 /* ---- what a file can hold, in the order in which it is tried */
@@ -55,45 +52,35 @@ static void note_place(isosculpt_reference_files *files, const char *path, const
 
 /* ---- lines and glyphs */
 
-static iso_status prepare_lines(isosculpt_reference_shapes *set, iso_error *error) {
-    const iso_shapes_opts opts = {.radius = NAN, .min_pixels = 1};
-    return iso_shapes_from_lines(&set->lines, &opts, &set->shapes, error);
-}
-
-static iso_status prepare_glyphs(isosculpt_reference_shapes *set, iso_error *error) {
+static iso_status prepare(isosculpt_reference_shapes *set, iso_error *error) {
+    const iso_lines *lines = &set->file.lines;
+    const iso_glyphs *glyphs = &set->file.glyphs;
     const iso_shapes_opts opts = {.radius = NAN,
-                                  .glyph = set->glyphs.axes ? ISO_GLYPH_ELLIPSOID : ISO_GLYPH_SPHERE};
-    return iso_shapes_from_glyphs(&set->glyphs, &opts, &set->shapes, error);
-}
-
-/* Reads what the file holds of `contents`, if anything: lines, else glyphs. */
-static iso_status read_shapes(const char *path, const iso_read_opts *opts, unsigned contents,
-                              isosculpt_reference_shapes *set, iso_error *error) {
-    if (contents & LINES) ISO_TRY(iso_lines_read(path, opts, &set->lines, error));
-    if (set->lines.line_count) return prepare_lines(set, error);
-    if (contents & SURFACE) return ISO_OK;
-    if (contents & GLYPHS) ISO_TRY(iso_glyphs_read(path, opts, &set->glyphs, error));
-    return set->glyphs.count ? prepare_glyphs(set, error) : ISO_OK;
+                                  .min_pixels = lines->line_count ? 1 : 0,
+                                  .glyph = glyphs->axes ? ISO_GLYPH_ELLIPSOID : ISO_GLYPH_SPHERE};
+    return lines->line_count ? iso_shapes_from_lines(lines, &opts, &set->shapes, error)
+           : glyphs->count   ? iso_shapes_from_glyphs(glyphs, &opts, &set->shapes, error)
+                             : ISO_OK;
 }
 
 /* Reads lines or glyphs; set->shapes stays NULL when the file holds a surface. */
 static iso_status read_set(isosculpt_reference_files *files, const char *path,
                            isosculpt_reference_shapes *set, iso_error *error) {
     const unsigned contents = contents_of(path);
-    iso_read_report report = {.note_count = 0};
+    const iso_read_report *report = &set->file.report;
     const iso_read_opts opts = {.max_memory = files->settings->common.input.max_memory,
-                                .space = (iso_space)files->settings->space,
-                                .report = &report};
+                                .space = (iso_space)files->settings->space};
     ISO_TRY(iso_progress_tell(files->progress, path, 0, error));
     if (contents == SURFACE) return ISO_OK;
-    ISO_TRY(read_shapes(path, &opts, contents, set, error));
+    ISO_TRY(iso_object_file_read_any(&set->file, path, contents, &opts, error));
+    ISO_TRY(prepare(set, error));
     if (!set->shapes)
         return contents & SURFACE ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "%s: holds nothing", path);
     if (!iso_shapes_stats(set->shapes).shapes)
         return iso_fail(error, ISO_ERR_EMPTY, "%s: holds nothing that can be drawn", path);
     const iso_box box = iso_shapes_bounds(set->shapes);
-    note_report(files, path, &report);
-    note_place(files, path, &box, report.space);
+    note_report(files, path, report);
+    note_place(files, path, &box, report->space);
     return ISO_OK;
 }
 

@@ -11,15 +11,14 @@
 #include "apps/common/progress_bar.h"
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
-#include "apps/isosculpt/mesh_file.h"
 #include "apps/isosculpt/reference_file.h"
+#include "apps/isosculpt/save.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/file_types.h"
 #include "base/memory.h"
 #include "base/numbers.h"
-#include "grids/level_set.h"
-#include "io/points_write.h"
+#include "scene/solid.h"
 #include "source/label.h"
 
 /* The durations of all samples. */
@@ -368,48 +367,49 @@ static bool writes_label(const isosculpt_settings *settings) {
     return settings->output && iso_file_type_of_name(settings->output, others) == ISO_FILE_UNKNOWN;
 }
 
+static iso_painted paint_of(const player *p) {
+    return iso_painted_make(iso_session_paint(p->session), iso_session_grid(p->session),
+                            ISOSCULPT_SURFACE_COLOR);
+}
+
 static iso_status write_points(player *p, const char *path, iso_error *error) {
-    iso_grid grid = {.hgrid = iso_session_grid(p->session)};
-    iso_points_opts opts = {.floats = true, .pool = p->pool};
-    iso_point_set *set;
-    ISO_TRY(iso_point_set_create(&grid, &opts, &set, error));
-    iso_status status = iso_point_set_update(set, error);
-    iso_point_view view = iso_point_set_view(set);
-    p->report->points = iso_point_view_count(&view);
-    if (status == ISO_OK && p->report->points == 0 &&
-        !writes_label(p->settings)) /* (a label may be removed) */
-        status = iso_fail(error, ISO_ERR_EMPTY, "%s: nothing is left of the solid", input_name(p->settings));
-    const iso_painted painted =
-        iso_painted_make(iso_session_paint(p->session), grid.hgrid, ISOSCULPT_SURFACE_COLOR);
-    const iso_coloring coloring = iso_painted_coloring(&painted);
-    uint8_t(*colors)[3] = NULL;
-    if (status == ISO_OK && path && iso_painted_any(&painted))
-        status = iso_coloring_points(&coloring, &view, p->pool, &colors, error);
-    view.colors = (const uint8_t(*)[3])colors;
-    if (status == ISO_OK && path) status = iso_points_write_ply(path, &view, "isosculpt", error);
-    iso_free(colors);
-    iso_point_set_destroy(set);
+    const iso_grid grid = {.hgrid = iso_session_grid(p->session)};
+    iso_scene_surface surface = {
+        .grid = grid, .primitive = iso_primitive_auto(&grid, 0), .floats = true, .pool = p->pool};
+    iso_status status = iso_scene_surface_update(&surface, ISO_PART_POINTS, error);
+    if (status == ISO_OK) {
+        const iso_point_view view = iso_scene_surface_points(&surface);
+        const iso_painted painted = paint_of(p);
+        const iso_coloring coloring = iso_painted_coloring(&painted);
+        p->report->points = iso_point_view_count(&view);
+        if (p->report->points == 0 && !writes_label(p->settings)) /* (a label may be removed) */
+            status =
+                iso_fail(error, ISO_ERR_EMPTY, "%s: nothing is left of the solid", input_name(p->settings));
+        else if (path)
+            status = iso_solid_write_points(path, &view, iso_painted_any(&painted) ? &coloring : NULL,
+                                            p->pool, "isosculpt", error);
+    }
+    iso_scene_surface_free(&surface);
     return status;
 }
 
 static iso_status write_mesh(player *p, const char *path, iso_error *error) {
-    const iso_painted painted = iso_painted_make(iso_session_paint(p->session), iso_session_grid(p->session),
-                                                 ISOSCULPT_SURFACE_COLOR);
-    const isosculpt_mesh_opts opts = {
-        .closed = p->settings->closed != 0, .pool = p->pool, .painted = &painted};
+    const iso_painted painted = paint_of(p);
+    const iso_coloring coloring = iso_painted_coloring(&painted);
+    const iso_solid_mesh_opts opts = {.closed = p->settings->closed != 0,
+                                      .coloring = iso_painted_any(&painted) ? &coloring : NULL,
+                                      .measures = &p->report->mesh,
+                                      .pool = p->pool};
     p->report->mesh_path = path;
-    return isosculpt_mesh_write(path, iso_session_grid(p->session), &opts, &p->report->mesh, error);
+    return iso_solid_write(path, iso_session_grid(p->session), &opts, "isosculpt", NULL, NULL, error);
 }
 
 static iso_status write_level_set(player *p, const char *path, iso_error *error) {
-    const iso_hgrid *grid = iso_session_grid(p->session);
-    const iso_painted painted =
-        iso_painted_make(iso_session_paint(p->session), grid, ISOSCULPT_SURFACE_COLOR);
-    const iso_level_set_colors colors = iso_painted_voxels(&painted);
+    const iso_painted painted = paint_of(p);
     iso_sink sink;
     ISO_TRY(iso_sink_open(path, &sink, error));
-    const iso_status status = iso_level_set_put_vdb(sink.stream, path, grid, "surface",
-                                                    iso_painted_any(&painted) ? &colors : NULL, NULL, error);
+    const iso_status status =
+        iso_painted_put_vdb(sink.stream, path, iso_session_grid(p->session), &painted, NULL, error);
     if (status == ISO_OK) return iso_sink_commit(&sink, error);
     iso_sink_abort(&sink);
     return status;

@@ -9,10 +9,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "apps/isosculpt/mesh_file.h"
 #include "base/file.h"
 #include "base/file_types.h"
-#include "grids/level_set.h"
+#include "scene/painted.h"
+#include "scene/solid.h"
 #include "source/label.h"
 
 /* ---- names */
@@ -244,16 +244,15 @@ static iso_status write_snapshot(isosculpt_saver *saver, FILE *stream, const iso
     iso_hgrid *grid;
     ISO_TRY(iso_snapshot_copy(saver->snapshot, &taking, &grid, error));
     const iso_painted painted = iso_painted_make(&saver->items.of[ISO_ITEM_PAINT], grid, saver->color);
-    const isosculpt_mesh_opts mesh = {
-        .closed = saver->closed, .progress = &writing, .painted = &painted, .stream = stream};
-    const iso_level_set_colors colors = iso_painted_voxels(&painted);
+    const iso_coloring coloring = iso_painted_coloring(&painted);
+    const iso_solid_mesh_opts mesh = {.closed = saver->closed,
+                                      .coloring = iso_painted_any(&painted) ? &coloring : NULL,
+                                      .measures = &saver->measures};
     saver->nothing_left = !has_solid(grid);
-    iso_status status =
-        saver->segmentation ? write_label(saver, grid, stream, &writing, error)
-        : is_level_set(saver->path)
-            ? iso_level_set_put_vdb(stream, saver->path, grid, "surface",
-                                    iso_painted_any(&painted) ? &colors : NULL, &writing, error)
-            : isosculpt_mesh_write(saver->path, grid, &mesh, &saver->measures, error);
+    iso_status status = saver->segmentation ? write_label(saver, grid, stream, &writing, error)
+                        : is_level_set(saver->path)
+                            ? iso_painted_put_vdb(stream, saver->path, grid, &painted, &writing, error)
+                            : iso_solid_write(saver->path, grid, &mesh, "isosculpt", stream, &writing, error);
     iso_hgrid_destroy(grid);
     return status;
 }
@@ -351,4 +350,9 @@ isosculpt_save_state isosculpt_document_poll_save(isosculpt_document *document, 
     free(saver);
     document->saver = NULL;
     return ISOSCULPT_SAVE_DONE;
+}
+
+void isosculpt_mesh_open_note(size_t open_edges, char *text, size_t size) {
+    snprintf(text, size, "%zu open edges where the border of the grid cuts the solid: --closed caps it there",
+             open_edges);
 }

@@ -61,6 +61,9 @@ typedef enum isosculpt_save_state {
 isosculpt_save_state isosculpt_document_poll_save(isosculpt_document *document, bool wait, iso_status *status,
                                                   iso_error *error);
 
+/* One line that says how many edges of the written mesh are open, why, and that --closed caps them. */
+void isosculpt_mesh_open_note(size_t open_edges, char *text, size_t size);
+
 #ifdef __cplusplus
 }
 #endif

@@ -5,7 +5,6 @@
 
 #include "api/internal.h"
 #include "image/annotate.h"
-#include "image/font.h"
 #include "image/image_file.h"
 
 static iso_status check_note(const iso_note *note, iso_error *error) {
@@ -14,7 +13,7 @@ static iso_status check_note(const iso_note *note, iso_error *error) {
         return iso_fail(error, ISO_ERR_USAGE, "a ruler is between two places of the world");
     if (note->kind == ISO_NOTE_TEXT && !note->text)
         return iso_fail(error, ISO_ERR_USAGE, "a note without a text");
-    return note->text && !ruler ? iso_font_check(note->text, error) : ISO_OK;
+    return note->text && !ruler ? iso_drawing_check_text(note->text, error) : ISO_OK;
 }
 
 static iso_status draw(const iso_image *image, const iso_figure_opts *opts, iso_drawing *drawing,

@@ -11,7 +11,7 @@
 #include "isopoint.h"
 #include "render/gaussians/gaussians.h"
 #include "scene/instances.h"
-#include "scene/object.h"
+#include "scene/object_file.h"
 #include "scene/occluders.h"
 #include "sculpt/field/cell_items.h"
 
@@ -63,9 +63,8 @@ struct iso_surface {
 
 /* A set of lines, glyphs or triangles. */
 struct iso_shape_set {
-    iso_lines lines;
-    iso_glyphs glyphs;
-    iso_scene_object object; /* what is drawn, without a colour; it borrows the lines or glyphs above */
+    iso_object_file file;    /* its lines or glyphs */
+    iso_scene_object object; /* what is drawn, without a colour; it borrows those */
     double opacity;
     bool has_color;
     iso_rgb color;

@@ -5,12 +5,6 @@
 
 #include "api/internal.h"
 #include "base/memory.h"
-#include "extract/vectors/streamlines.h"
-#include "extract/vectors/vector_glyphs.h"
-#include "grids/volume/vectors_read.h"
-#include "io/glyphs/glyphs_read.h"
-#include "io/lines/lines_read.h"
-#include "io/mesh/mesh_read.h"
 
 /* ---- copies of arrays */
 
@@ -56,22 +50,22 @@ static iso_status begin(const iso_shape_set_opts *opts, iso_shape_set **set, iso
 /* Prepares a filled set for drawing. If this fails, or if `status` is a failure already, frees the set. */
 static iso_status finish(iso_status status, iso_shape_set *made, const iso_shape_set_opts *opts,
                          iso_shape_set **set, iso_error *error) {
-    const bool lines = made->lines.line_count > 0;
+    const bool lines = made->file.lines.line_count > 0;
     if (made->has_color) { /* one colour is given for the whole set */
-        iso_free(made->lines.colors);
-        iso_free(made->glyphs.colors);
-        made->lines.colors = made->glyphs.colors = NULL;
+        iso_free(made->file.lines.colors);
+        iso_free(made->file.glyphs.colors);
+        made->file.lines.colors = made->file.glyphs.colors = NULL;
     }
     const iso_shapes_opts how = {.radius = opts->radius > 0 ? opts->radius : NAN,
                                  .glyph = opts->glyph,
                                  .min_pixels = opts->true_width ? 0 : 1,
                                  .style = opts->ribbons ? ISO_LINE_RIBBON : ISO_LINE_TUBE,
                                  .caps = opts->flat_caps ? ISO_CAPS_FLAT : ISO_CAPS_ROUND};
-    if (status == ISO_OK && lines && opts->ribbons) status = iso_lines_add_normals(&made->lines, error);
-    if (lines) made->object.lines = &made->lines;
+    if (status == ISO_OK && lines && opts->ribbons) status = iso_lines_add_normals(&made->file.lines, error);
+    if (lines) made->object.lines = &made->file.lines;
     if (status == ISO_OK)
-        status = lines ? iso_shapes_from_lines(&made->lines, &how, &made->object.shapes, error)
-                       : iso_shapes_from_glyphs(&made->glyphs, &how, &made->object.shapes, error);
+        status = lines ? iso_shapes_from_lines(&made->file.lines, &how, &made->object.shapes, error)
+                       : iso_shapes_from_glyphs(&made->file.glyphs, &how, &made->object.shapes, error);
     if (status == ISO_OK && !iso_shapes_stats(made->object.shapes).shapes)
         status = iso_fail(error, ISO_ERR_EMPTY, "no shape can be drawn");
     if (status == ISO_OK)
@@ -88,7 +82,7 @@ iso_status iso_shape_set_of_lines(const iso_line_arrays *lines, const iso_shape_
     iso_shape_set *made;
     if (!opts) opts = &defaults;
     ISO_TRY(begin(opts, &made, error));
-    return finish(copy_lines(lines, &made->lines, error), made, opts, set, error);
+    return finish(copy_lines(lines, &made->file.lines, error), made, opts, set, error);
 }
 
 iso_status iso_shape_set_of_glyphs(const iso_glyph_arrays *glyphs, const iso_shape_set_opts *opts,
@@ -96,41 +90,30 @@ iso_status iso_shape_set_of_glyphs(const iso_glyph_arrays *glyphs, const iso_sha
     iso_shape_set *made;
     if (!opts) opts = &defaults;
     ISO_TRY(begin(opts, &made, error));
-    return finish(copy_glyphs(glyphs, &made->glyphs, error), made, opts, set, error);
+    return finish(copy_glyphs(glyphs, &made->file.glyphs, error), made, opts, set, error);
 }
 
 /* ---- files */
 
-static iso_status read_lines(const char *path, const iso_read_opts *reading, iso_lines *lines,
-                             iso_error *error) {
-    ISO_TRY(iso_api_check_path(path, error));
-    ISO_TRY(iso_lines_read(path, reading, lines, error));
-    return lines->line_count ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "%s: holds no lines", path);
-}
-
-static iso_status read_glyphs(const char *path, const iso_read_opts *reading, iso_glyphs *glyphs,
-                              iso_error *error) {
-    ISO_TRY(iso_api_check_path(path, error));
-    ISO_TRY(iso_glyphs_read(path, reading, glyphs, error));
-    return glyphs->count ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "%s: holds no points", path);
+static iso_status read_shapes(const char *path, iso_object_kind kind, const iso_shape_set_opts *opts,
+                              iso_shape_set **set, iso_error *error) {
+    iso_shape_set *made;
+    if (!opts) opts = &defaults;
+    const iso_read_opts reading = {.space = opts->ras ? ISO_SPACE_RAS : ISO_SPACE_FILE};
+    ISO_TRY(begin(opts, &made, error));
+    iso_status status = iso_api_check_path(path, error);
+    if (status == ISO_OK) status = iso_object_file_read(&made->file, path, kind, &reading, NULL, NULL, error);
+    return finish(status, made, opts, set, error);
 }
 
 iso_status iso_shape_set_read_lines(const char *path, const iso_shape_set_opts *opts, iso_shape_set **set,
                                     iso_error *error) {
-    iso_shape_set *made;
-    if (!opts) opts = &defaults;
-    const iso_read_opts reading = {.space = opts->ras ? ISO_SPACE_RAS : ISO_SPACE_FILE};
-    ISO_TRY(begin(opts, &made, error));
-    return finish(read_lines(path, &reading, &made->lines, error), made, opts, set, error);
+    return read_shapes(path, ISO_OBJECT_LINES, opts, set, error);
 }
 
 iso_status iso_shape_set_read_glyphs(const char *path, const iso_shape_set_opts *opts, iso_shape_set **set,
                                      iso_error *error) {
-    iso_shape_set *made;
-    if (!opts) opts = &defaults;
-    const iso_read_opts reading = {.space = opts->ras ? ISO_SPACE_RAS : ISO_SPACE_FILE};
-    ISO_TRY(begin(opts, &made, error));
-    return finish(read_glyphs(path, &reading, &made->glyphs, error), made, opts, set, error);
+    return read_shapes(path, ISO_OBJECT_GLYPHS, opts, set, error);
 }
 
 /* ---- meshes */
@@ -178,12 +161,7 @@ iso_status iso_shape_set_of_mesh(const iso_mesh *mesh, const iso_shape_set_opts 
 
 iso_status iso_api_read_mesh(const char *path, bool ras, iso_triangles *triangles, iso_error *error) {
     ISO_TRY(iso_api_check_path(path, error));
-    ISO_TRY(iso_mesh_read(path, NULL, triangles, error));
-    for (size_t i = 0; i < triangles->vertex_count && ras; i++) {
-        triangles->vertices[i][0] = -triangles->vertices[i][0];
-        triangles->vertices[i][1] = -triangles->vertices[i][1];
-    }
-    return ISO_OK;
+    return iso_object_read_mesh(path, ras, triangles, error);
 }
 
 iso_status iso_shape_set_read_mesh(const char *path, const iso_shape_set_opts *opts, iso_shape_set **set,
@@ -281,8 +259,8 @@ static iso_status make_of_field(const iso_vectors *field, const iso_vector_shape
     if (opts->glyph == ISO_GLYPH_SPHERE)
         drawn.glyph = field->components == ISO_TENSOR_COMPONENTS ? ISO_GLYPH_ELLIPSOID : ISO_GLYPH_ARROW;
     ISO_TRY(begin(&drawn, &made, error));
-    const iso_status status = how->streamlines ? make_streamlines(field, how, &made->lines, error)
-                                               : make_glyphs(field, how, &drawn, &made->glyphs, error);
+    const iso_status status = how->streamlines ? make_streamlines(field, how, &made->file.lines, error)
+                                               : make_glyphs(field, how, &drawn, &made->file.glyphs, error);
     return finish(status, made, &drawn, set, error);
 }
 
@@ -306,8 +284,7 @@ iso_status iso_shape_set_read_vectors(const char *path, const iso_vector_shape_o
 void iso_shape_set_destroy(iso_shape_set *set) {
     if (!set) return;
     iso_scene_object_free(&set->object);
-    iso_lines_free(&set->lines);
-    iso_glyphs_free(&set->glyphs);
+    iso_object_file_free(&set->file);
     iso_free(set);
 }
 

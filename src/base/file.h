@@ -37,7 +37,7 @@ void iso_file_set_fetcher(iso_file_fetcher *fetcher);
 /* Opens a regular file, or one that a URL names, for reading; *stream is the caller's (fclose), *bytes (may
  * be NULL) its size. ISO_ERR_IO: it cannot be opened, or is not a regular file. A FIFO is left unopened,
  * because its writer would go on, and fail when it is closed; a device may never end. An input that may be a
- * FIFO is copied to a file first (apps/common/input_spool.h). */
+ * FIFO is copied to a file first (scene/input_spool.h). */
 iso_status iso_file_open(const char *path, FILE **stream, uint64_t *bytes, iso_error *error);
 
 /* The same, for what reads from a descriptor, which is the caller's (close). */

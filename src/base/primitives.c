@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/point_code.h"
 
 /* Truncates to an integer, clamped to 0 .. `most`. */
@@ -146,4 +147,11 @@ iso_box iso_mesh_view_bounds(const iso_mesh_view *view) {
                         iso_brick_position(span->brick, view->vertices[span->first_vertex + i].position));
     }
     return box;
+}
+
+void iso_triangles_free(iso_triangles *mesh) {
+    iso_free(mesh->vertices);
+    iso_free(mesh->triangles);
+    iso_free(mesh->colors);
+    *mesh = (iso_triangles){0};
 }

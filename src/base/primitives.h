@@ -188,6 +188,7 @@ typedef struct iso_triangles {
     size_t vertex_count, triangle_count;
     uint8_t (*colors)[3]; /* of vertices: red, green and blue, display values; NULL: none */
 } iso_triangles;
+void iso_triangles_free(iso_triangles *mesh);
 
 /* The numbers of vertices and triangles of the welded mesh: copies of vertices are not counted. */
 size_t iso_mesh_view_vertex_count(const iso_mesh_view *view);

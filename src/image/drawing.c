@@ -8,6 +8,36 @@
 #include "base/text.h"
 #include "image/font.h"
 
+/* Hebrew, Arabic and what is written as they are, with their presentation forms and marks of direction. */
+static bool is_right_to_left(uint32_t c) {
+    return (c >= 0x590 && c <= 0x8FF) || (c >= 0xFB1D && c <= 0xFDFF) || (c >= 0xFE70 && c <= 0xFEFF) ||
+           (c >= 0x10800 && c <= 0x10FFF) || (c >= 0x1E800 && c <= 0x1EFFF) || c == 0x200F || c == 0x202B ||
+           c == 0x202E || c == 0x2067;
+}
+
+iso_status iso_drawing_check_text(const char *text, iso_error *error) {
+    int count = 0;
+    const char *at = text, *before = text;
+    for (uint32_t c = iso_font_next(&at); c; before = at, c = iso_font_next(&at), count++) {
+        if (is_right_to_left(c))
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "'%.60s': text from right to left cannot be drawn: the font has Latin, Greek and "
+                            "Cyrillic letters",
+                            text);
+        if (c < ' ' || !iso_font_glyph(c))
+            return iso_fail(
+                error, ISO_ERR_USAGE,
+                "'%.60s': character '%.*s' (U+%04X) cannot be drawn: the font has Latin, Greek and "
+                "Cyrillic letters",
+                text, (int)(at - before), before, (unsigned)c);
+    }
+    if (!count) return iso_fail(error, ISO_ERR_USAGE, "the text is empty");
+    if (count > ISO_FONT_LONGEST)
+        return iso_fail(error, ISO_ERR_USAGE, "'%.40s..': a text of %d characters; at most %d are drawn",
+                        text, count, ISO_FONT_LONGEST);
+    return ISO_OK;
+}
+
 static iso_mark *add(iso_drawing *d, iso_mark_kind kind, iso_rgb color) {
     if (d->count == d->room) {
         const int room = d->room ? 2 * d->room : 32;

@@ -27,7 +27,7 @@ typedef struct iso_mark {
     double width;        /* of LINES */
     double (*points)[2]; /* LINES: two for each; POLYGON: its corners. Owned */
     int point_count;
-    char *text;        /* UTF-8, of characters that the font has (iso_font_check). Owned */
+    char *text;        /* UTF-8, of characters that the font has (iso_drawing_check_text). Owned */
     double x, y, size; /* TEXT: left end of its baseline, size of the font */
     bool bold;
     iso_image picture; /* PICTURE: owned; its pixels fill the rectangle */
@@ -48,6 +48,9 @@ iso_mark *iso_drawing_polygon(iso_drawing *drawing, iso_rgb color, const double 
 /* A text, copied, whose baseline begins at (x, y). */
 iso_mark *iso_drawing_text(iso_drawing *drawing, const char *text, double x, double y, double size,
                            iso_rgb color);
+/* Refuses a text that has no picture: ISO_ERR_USAGE; too long, not UTF-8, written from right to left, or a
+ * character that the font lacks. */
+iso_status iso_drawing_check_text(const char *text, iso_error *error);
 /* A picture that fills a rectangle; it is moved into the drawing, which frees it, and is zeroed. */
 iso_mark *iso_drawing_picture(iso_drawing *drawing, iso_image *picture, double left, double top, double right,
                               double bottom);

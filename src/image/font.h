@@ -24,10 +24,6 @@ enum { ISO_FONT_LONGEST = 400 }; /* characters of a text */
 extern const uint8_t iso_font_file[];
 extern const size_t iso_font_file_bytes;
 
-/* Refuses a text that has no picture: ISO_ERR_USAGE; too long, not UTF-8, written from right to left, or a
- * character that the font lacks. */
-iso_status iso_font_check(const char *text, iso_error *error);
-
 /* Takes the next character of a text in UTF-8 and moves *text behind it; bytes that are no UTF-8 are taken
  * one by one as U+FFFD. 0: the text ends. */
 uint32_t iso_font_next(const char **text);

@@ -1,5 +1,5 @@
 /* Goes from chunk to chunk of a PNG file (PNG specification, sections 5.3 and 11.3.4). */
-#include "image/png_text.h"
+#include "image/image_file.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "io/mesh/mesh_read.h"
 
 iso_status iso_isosurface_mesh(const iso_grid *grid, double isovalue, iso_pool *pool, iso_weld *weld,
                                iso_error *error) {
@@ -25,8 +26,7 @@ iso_status iso_weld_triangles(const iso_weld *weld, const iso_affine *affine, is
     made.vertices = iso_alloc((made.vertex_count + 1) * sizeof *made.vertices);
     made.triangles = iso_alloc((made.triangle_count + 1) * sizeof *made.triangles);
     if (!made.vertices || !made.triangles) {
-        iso_free(made.vertices);
-        iso_free(made.triangles);
+        iso_triangles_free(&made);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu triangles", weld->triangle_count);
     }
     for (size_t i = 0; i < weld->vertex_count; i++) {
@@ -53,7 +53,15 @@ iso_status iso_distance_of_isosurface(const iso_grid *grid, double isovalue, iso
     ISO_TRY(status);
     status = mesh.triangle_count ? iso_distance_of_field(grid, isovalue, &mesh, pool, distance, error)
                                  : iso_fail(error, ISO_ERR_EMPTY, "no surface at isovalue %g", isovalue);
-    iso_free(mesh.vertices);
-    iso_free(mesh.triangles);
+    iso_triangles_free(&mesh);
+    return status;
+}
+
+iso_status iso_distance_of_mesh_file(const char *path, iso_triangles *mesh, iso_distance **distance,
+                                     iso_error *error) {
+    iso_triangles own = {.vertices = NULL}, *read = mesh ? mesh : &own;
+    ISO_TRY(iso_mesh_read(path, NULL, read, error));
+    const iso_status status = iso_distance_of_mesh(read, distance, error);
+    iso_triangles_free(&own);
     return status;
 }

@@ -4,8 +4,9 @@
 #include <string.h>
 
 #include "extract/points/points.h"
-#include "image/annotate.h"
 #include "image/camera.h"
+#include "io/key_file.h"
+#include "scene/picture_file.h"
 
 /* ---- points */
 
@@ -127,4 +128,27 @@ iso_status iso_render_key_style(const iso_key_style *style, const iso_transform 
     ISO_TRY(iso_render_merged_keys(&keys, &opts, picture, &covered, error));
     if (!covered) return iso_fail(error, ISO_ERR_EMPTY, "nothing of the surface is in view");
     return iso_annotate(picture, &annotation, error);
+}
+
+iso_status iso_keys_picture_write(const char *path, const char *const *parts, int count, uint64_t max_memory,
+                                  iso_pool *pool, iso_error *error) {
+    iso_key_file file;
+    iso_image image = {0};
+    ISO_TRY(iso_key_files_merge(parts, count, max_memory, pool, &file, error));
+    const iso_key_style *style = &file.style;
+    const iso_picture_facts facts = {.software = file.texts[ISO_KEY_SOFTWARE],
+                                     .title = file.texts[ISO_KEY_TITLE],
+                                     .command = file.texts[ISO_KEY_COMMENT],
+                                     .description = file.texts[ISO_KEY_DESCRIPTION],
+                                     .scene = file.texts[ISO_KEY_SCENE],
+                                     .pixels_per_metre = style->pixels_per_metre,
+                                     .pool = pool};
+    iso_status status = iso_image_create(style->width, style->height, &image, error);
+    if (status == ISO_OK)
+        status = iso_render_key_style(style, &file.surface.transform, file.surface.dims, &file.keys, pool,
+                                      &image, error);
+    if (status == ISO_OK) status = iso_picture_file_write(path, &image, NULL, &facts, error);
+    iso_image_free(&image);
+    iso_key_file_free(&file);
+    return status;
 }

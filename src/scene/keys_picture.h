@@ -26,4 +26,10 @@ iso_status iso_render_key_style(const iso_key_style *style, const iso_transform 
                                 const int32_t dims[3], iso_key_image *image, iso_pool *pool,
                                 iso_image *picture, iso_error *error);
 
+/* Merges the parts of a picture in files (iso_key_files_merge) and writes the picture, with the texts that
+ * they have of it. max_memory: bytes that the keys may take, 0: no limit. Errors as iso_key_files_merge,
+ * iso_render_key_style and iso_picture_file_write. */
+iso_status iso_keys_picture_write(const char *path, const char *const *parts, int count, uint64_t max_memory,
+                                  iso_pool *pool, iso_error *error);
+
 #endif

@@ -32,10 +32,13 @@ iso_coloring iso_painted_coloring(const iso_painted *painted) {
     return (iso_coloring){.given = {color_at, painted}};
 }
 
-iso_level_set_colors iso_painted_voxels(const iso_painted *painted) {
+iso_status iso_painted_put_vdb(FILE *stream, const char *name, const iso_hgrid *field,
+                               const iso_painted *painted, const iso_progress *progress, iso_error *error) {
     const iso_rgb own = painted->own;
-    return (iso_level_set_colors){.cell = (const void *const *)painted->view.paint->cell,
-                                  .own = {own.r, own.g, own.b}};
+    const bool any = iso_painted_any(painted);
+    const iso_level_set_colors colors = {.cell = any ? (const void *const *)painted->view.paint->cell : NULL,
+                                         .own = {own.r, own.g, own.b}};
+    return iso_level_set_put_vdb(stream, name, field, "surface", any ? &colors : NULL, progress, error);
 }
 
 iso_status iso_painted_read(const char *path, const struct iso_volume_opts *opts, iso_cell_items *paint,

@@ -32,8 +32,10 @@ iso_rgb iso_painted_color(const iso_painted *painted, iso_vec3 place);
 /* How a surface is coloured by paint; borrows `painted`. */
 iso_coloring iso_painted_coloring(const iso_painted *painted);
 
-/* The same for .vdb files; borrows the items of `painted`. */
-iso_level_set_colors iso_painted_voxels(const iso_painted *painted);
+/* Writes a level set as .vdb, with its paint if there is any: to a stream, whose errors are the caller's to
+ * find (iso_sink_commit). Errors of iso_level_set_put_vdb. */
+iso_status iso_painted_put_vdb(FILE *stream, const char *name, const iso_hgrid *field,
+                               const iso_painted *painted, const iso_progress *progress, iso_error *error);
 
 struct iso_volume_opts;
 /* Reads the colours of a .vdb file, its grid "Cd", as paint; `own` is the colour of voxels that have none.

@@ -4,7 +4,7 @@ cmake_minimum_required(VERSION 3.25)
 set(allowed
     src/base/file.c src/base/temporary_file.c
     src/base/cgroup.c apps/isocompare/machine.c grids/volume/hdf5/guard.c # /proc, /sys, /dev/null
-    apps/common/input_spool.c # the main input, which may be a FIFO
+    src/scene/input_spool.c # the main input, which may be a FIFO
     src/sculpt/session/journal.c apps/isosculpt/document.c # files that are locked and written to
     # Libraries that open by name, after iso_file_open has opened the same file:
     grids/volume/format_nifti.c grids/volume/vdb_archive.cc grids/volume/hdf5/library.c)

@@ -6,10 +6,7 @@
 #include <string.h>
 
 #include "apps/common/coloring_settings.h"
-#include "apps/common/loader.h"
 #include "base/memory.h"
-#include "io/mesh/mesh_read.h"
-#include "scene/distances.h"
 
 static const isosculpt_color_by NOTHING = {.range = {NAN, NAN}, .ranged_isovalue = NAN};
 
@@ -32,61 +29,32 @@ static isosculpt_color_by *changeable(isosculpt_viewport *viewport, iso_error *e
     return viewport->color_by;
 }
 
-/* A file that surfaces are coloured by, with what its loader borrows. */
+/* The file that surfaces are coloured by, with what it borrows. */
 typedef struct isosculpt_color_file {
     iso_coloring_settings settings;
-    iso_input input;
-    iso_loader loader; /* of a volume */
-    iso_distance *distance;
+    iso_color_file file;
 } isosculpt_color_file;
 
-static void close_file(isosculpt_color_file *file) {
-    if (!file) return;
-    iso_distance_destroy(file->distance);
-    iso_loader_close(&file->loader);
-    iso_free(file);
-}
-
-static iso_status read_mesh(isosculpt_color_file *file, iso_error *error) {
-    iso_triangles mesh = {.vertices = NULL};
-    if (file->settings.rest[0])
-        return iso_fail(error, ISO_ERR_USAGE, "a mesh has no isovalue: %s", file->settings.path);
-    ISO_TRY(iso_mesh_read(file->settings.path, NULL, &mesh, error));
-    const iso_status status = iso_distance_of_mesh(&mesh, &file->distance, error);
-    iso_triangles_free(&mesh);
-    return status;
-}
-
-static iso_status read_volume(isosculpt_color_file *file, iso_pool *pool, iso_error *error) {
-    const bool distances = file->settings.source == ISO_COLOR_BY_DISTANCE;
-    double isovalue;
-    bool chosen;
-    file->input.grid = file->settings.rest[0] && !distances ? file->settings.rest : NULL;
-    file->loader = (iso_loader){.input = file->settings.path,
-                                .options = &file->input,
-                                .pool = pool,
-                                .is_further = true,
-                                .wants_histogram = distances && isnan(file->settings.isovalue)};
-    ISO_TRY(iso_loader_open(&file->loader, error));
-    if (file->loader.has_points)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: holds points, no volume", file->settings.path);
-    ISO_TRY(iso_loader_read(&file->loader, error));
-    if (!distances) return ISO_OK;
-    ISO_TRY(iso_coloring_settings_isovalue(&file->settings, &file->loader, &isovalue, &chosen, error));
-    return iso_distance_of_isosurface(&file->loader.volume.grid, isovalue, pool, &file->distance, error);
+static void close_file(isosculpt_color_file *read) {
+    if (read) iso_color_file_close(&read->file);
+    iso_free(read);
 }
 
 static iso_status read_file(const iso_coloring_settings *settings, iso_pool *pool,
                             isosculpt_color_file **read, iso_error *error) {
-    isosculpt_color_file *file = iso_alloc_zero(1, sizeof *file);
-    if (!file) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    file->settings = *settings;
-    const iso_status status = iso_coloring_settings_is_from_mesh(settings) ? read_mesh(file, error)
-                                                                           : read_volume(file, pool, error);
+    isosculpt_color_file *made = iso_alloc_zero(1, sizeof *made);
+    if (!made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+    made->settings = *settings;
+    made->file = iso_coloring_settings_file(&made->settings);
+    iso_status status =
+        iso_color_file_is_vertices(&made->file)
+            ? iso_fail(error, ISO_ERR_USAGE, "%s: a volume's surfaces have no such vertices", settings->path)
+            : iso_color_file_open(&made->file, 0, NULL, pool, error);
+    if (status == ISO_OK) status = iso_color_file_read(&made->file, error);
     if (status == ISO_OK)
-        *read = file;
+        *read = made;
     else
-        close_file(file);
+        close_file(made);
     return status;
 }
 
@@ -123,9 +91,10 @@ iso_status isosculpt_color_by_set(isosculpt_viewport *viewport, const char *what
     by->file = file;
     snprintf(by->what, sizeof by->what, "%s", what);
     by->coloring.source = settings.source;
-    by->coloring.distance = file ? file->distance : NULL;
-    iso_coloring_set_grid(&by->coloring, settings.source == ISO_COLOR_BY_VOLUME ? &file->loader.volume.grid
-                                                                                : &viewport->grid);
+    by->coloring.distance = file ? file->file.distance : NULL;
+    iso_coloring_set_grid(&by->coloring, settings.source == ISO_COLOR_BY_VOLUME
+                                             ? &file->file.loader.volume.grid
+                                             : &viewport->grid);
     iso_coloring_settings_title(&settings, ISO_WORLD_UNIT_NONE, &by->coloring.bar);
     by->ranged_isovalue = NAN;
     return apply_map(by, by->map, error);

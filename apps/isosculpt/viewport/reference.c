@@ -81,8 +81,7 @@ iso_status isosculpt_reference_create(iso_hgrid *grid, int threads, isosculpt_re
 
 void isosculpt_reference_shapes_free(isosculpt_reference_shapes *shapes) {
     iso_shapes_destroy(shapes->shapes);
-    iso_lines_free(&shapes->lines);
-    iso_glyphs_free(&shapes->glyphs);
+    iso_object_file_free(&shapes->file);
     *shapes = (isosculpt_reference_shapes){.shapes = NULL};
 }
 

@@ -10,7 +10,7 @@
 #define ISO_APPS_ISOSCULPT_VIEWPORT_REFERENCE_H
 
 #include "apps/isosculpt/viewport/viewport.h"
-#include "render/shapes/shapes.h"
+#include "scene/object_file.h"
 
 /* Largest memory for kept layers, in bytes. */
 enum { ISOSCULPT_REFERENCE_BYTES = 512 << 20 };
@@ -20,11 +20,10 @@ enum { ISOSCULPT_REFERENCE_BYTES = 512 << 20 };
 iso_status isosculpt_reference_create(iso_hgrid *grid, int threads, isosculpt_reference **reference,
                                       iso_error *error);
 
-/* Lines or glyphs, and the shapes made of them. Zero-initialise. */
+/* Lines or glyphs of a file, and the shapes made of them. Zero-initialise. */
 typedef struct isosculpt_reference_shapes {
-    iso_lines lines;
-    iso_glyphs glyphs;
-    iso_shapes *shapes; /* borrows from one of them */
+    iso_object_file file;
+    iso_shapes *shapes; /* borrows from it */
 } isosculpt_reference_shapes;
 void isosculpt_reference_shapes_free(isosculpt_reference_shapes *shapes);
 

@@ -7,8 +7,8 @@
 
 #include <GLFW/glfw3.h>
 
-#include "apps/isosculpt/mesh_file.h"
 #include "apps/isosculpt/render_command.h"
+#include "apps/isosculpt/save.h"
 #include "base/file_types.h"
 
 /* ---- a save */

@@ -151,10 +151,3 @@ iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_tri
         (iso_triangles){r.vertices.data, r.triangles.data, r.vertex_count, r.triangle_count, take_colors(&r)};
     return ISO_OK;
 }
-
-void iso_triangles_free(iso_triangles *mesh) {
-    iso_free(mesh->vertices);
-    iso_free(mesh->triangles);
-    iso_free(mesh->colors);
-    *mesh = (iso_triangles){0};
-}

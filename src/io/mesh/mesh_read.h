@@ -14,7 +14,6 @@
  * ISO_ERR_EMPTY (no triangles), ISO_ERR_UNSUPPORTED (another type of file), ISO_ERR_NOMEM. */
 iso_status iso_mesh_read(const char *path, const iso_progress *progress, iso_triangles *mesh,
                          iso_error *error);
-void iso_triangles_free(iso_triangles *mesh);
 
 /* Numbers of the vertices of a mesh, as a file of its own has them. */
 typedef struct iso_vertex_values {

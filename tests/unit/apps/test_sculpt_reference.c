@@ -38,16 +38,16 @@ static void make_shapes(isosculpt_reference_shapes sets[2]) {
     static const uint8_t colors[4][3] = {{255, 30, 20}, {20, 200, 40}, {240, 220, 10}, {90, 90, 255}};
     const iso_shapes_opts tubes = {.radius = 1.5, .min_pixels = 1}, spheres = {.glyph = ISO_GLYPH_SPHERE};
     memset(sets, 0, 2 * sizeof *sets);
-    sets[0].lines = (iso_lines){.vertices = copied(vertices, sizeof vertices),
-                                .starts = copied(starts, sizeof starts),
-                                .vertex_count = 4,
-                                .line_count = 1};
-    sets[1].glyphs = (iso_glyphs){.positions = copied(positions, sizeof positions),
-                                  .radii = copied(radii, sizeof radii),
-                                  .colors = copied(colors, sizeof colors),
-                                  .count = 4};
-    assert_int_equal(iso_shapes_from_lines(&sets[0].lines, &tubes, &sets[0].shapes, NULL), ISO_OK);
-    assert_int_equal(iso_shapes_from_glyphs(&sets[1].glyphs, &spheres, &sets[1].shapes, NULL), ISO_OK);
+    sets[0].file.lines = (iso_lines){.vertices = copied(vertices, sizeof vertices),
+                                     .starts = copied(starts, sizeof starts),
+                                     .vertex_count = 4,
+                                     .line_count = 1};
+    sets[1].file.glyphs = (iso_glyphs){.positions = copied(positions, sizeof positions),
+                                       .radii = copied(radii, sizeof radii),
+                                       .colors = copied(colors, sizeof colors),
+                                       .count = 4};
+    assert_int_equal(iso_shapes_from_lines(&sets[0].file.lines, &tubes, &sets[0].shapes, NULL), ISO_OK);
+    assert_int_equal(iso_shapes_from_glyphs(&sets[1].file.glyphs, &spheres, &sets[1].shapes, NULL), ISO_OK);
 }
 
 static bool with_shapes; /* the reference is lines and glyphs */

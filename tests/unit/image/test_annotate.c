@@ -242,12 +242,13 @@ static void texts_that_cannot_be_drawn_are_refused(void **state) {
     char longest[ISO_FONT_LONGEST + 2] = {0};
     iso_error error;
     memset(longest, 'a', ISO_FONT_LONGEST);
-    assert_int_equal(iso_font_check(longest, &error), ISO_OK);
+    assert_int_equal(iso_drawing_check_text(longest, &error), ISO_OK);
     longest[ISO_FONT_LONGEST] = 'a';
     static const char *const texts[] = {"", "\u05e9\u05dc\u05d5\u05dd", "\u6f22", "two\nlines", "\xff", NULL};
-    for (int i = 0; texts[i]; i++) assert_int_equal(iso_font_check(texts[i], &error), ISO_ERR_USAGE);
-    assert_int_equal(iso_font_check(longest, &error), ISO_ERR_USAGE);
-    assert_int_equal(iso_font_check("Größe \u03b1\u00b2 \u2265 3 \u00b5m \u00c5, \u0416", &error), ISO_OK);
+    for (int i = 0; texts[i]; i++) assert_int_equal(iso_drawing_check_text(texts[i], &error), ISO_ERR_USAGE);
+    assert_int_equal(iso_drawing_check_text(longest, &error), ISO_ERR_USAGE);
+    assert_int_equal(iso_drawing_check_text("Größe \u03b1\u00b2 \u2265 3 \u00b5m \u00c5, \u0416", &error),
+                     ISO_OK);
 }
 
 /* The first and the last column of pixels that are black in the rows of a ruler that lies flat. */

@@ -122,11 +122,9 @@ static void colors_of_files_become_paint(void **state) {
         iso_pool_destroy(pool);
     }
     const iso_painted painted = iso_painted_make(&of_mesh.paint, of_mesh.grid, (iso_rgb){1, 2, 3});
-    const iso_level_set_colors colors = iso_painted_voxels(&painted);
     FILE *stream = fopen(vdb, "w+b");
     assert_non_null(stream);
-    const iso_status written =
-        iso_level_set_put_vdb(stream, vdb, of_mesh.grid, "surface", &colors, NULL, NULL);
+    const iso_status written = iso_painted_put_vdb(stream, vdb, of_mesh.grid, &painted, NULL, NULL);
     assert_int_equal(fclose(stream), 0);
     if (written == ISO_OK) {
         opened same = open_file(vdb, 0, NULL), finer = open_file(vdb, 0.3, NULL);

@@ -1,6 +1,6 @@
 /* Copies inputs to temporary files. The first bytes decide whether an input is copied, and up to which
  * byte. */
-#include "apps/common/input_spool.h"
+#include "scene/input_spool.h"
 
 #include <errno.h>
 #include <fcntl.h>

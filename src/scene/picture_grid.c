@@ -1,5 +1,5 @@
 /* Pictures in rows and columns. */
-#include "apps/common/picture_grid.h"
+#include "scene/picture_grid.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,6 +10,7 @@
 
 iso_status iso_picture_grid_lay_out(iso_picture_grid *g, const char *option, uint64_t limit,
                                     iso_error *error) {
+    g->font = iso_annotation_font_size(g->font, g->panel[0], g->panel[1]);
     g->text = g->font * ISO_FONT_CAPITALS / ISO_FONT_SIZE;
     g->margin = ceil((g->below ? 2 : 0.8) * g->text);
     g->band = ceil((g->below ? 2.8 : 2.1) * g->text);

@@ -1,6 +1,6 @@
 /* Opens and reads the inputs of the programs: volume files, procedural scenes, files of points, and any of
  * these files on standard input. */
-#include "apps/common/loader.h"
+#include "scene/loader.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,8 +8,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "apps/common/options.h"
 #include "base/memory.h"
+#include "base/parse.h"
 #include "grids/scenes/scenes.h"
 #include "grids/volume/tiled.h"
 #include "io/file_contents.h"
@@ -373,22 +373,44 @@ iso_status iso_loader_count_nonfinite(iso_loader *loader, iso_error *error) {
                                             &loader->nonfinite, error);
 }
 
+void iso_loader_set_histogram(iso_loader *loader, const iso_histogram *histogram) {
+    loader->histogram = *histogram;
+    loader->candidate_count = iso_isovalue_suggest(&loader->volume.grid, histogram, loader->candidates);
+    loader->has_histogram = true;
+}
+
 iso_status iso_loader_histogram_together(iso_loader *loader, const iso_ranks *ranks, iso_error *error) {
     const iso_grid *grid = &loader->volume.grid;
+    iso_histogram histogram;
     if (!iso_loader_has_tiles(loader)) {
-        ISO_TRY(iso_histogram_compute_together(grid, ranks, loader->pool, &loader->histogram, error));
+        ISO_TRY(iso_histogram_compute_together(grid, ranks, loader->pool, &histogram, error));
     } else {
         const iso_chunk_source source = iso_volume_source(grid->rgrid);
         ISO_TRY(iso_histogram_of_source(&source, iso_loader_chunk_side(loader, 0), ranks, loader->pool,
-                                        &loader->histogram, error));
+                                        &histogram, error));
     }
-    loader->has_histogram = true;
+    iso_loader_set_histogram(loader, &histogram);
     return ISO_OK;
 }
 
 iso_status iso_loader_histogram(iso_loader *loader, iso_error *error) {
     const iso_ranks alone = {.size = 1};
     return loader->has_histogram ? ISO_OK : iso_loader_histogram_together(loader, &alone, error);
+}
+
+iso_status iso_loader_isovalue(iso_loader *loader, double given, double *isovalue, bool *chosen,
+                               iso_error *error) {
+    *chosen = false;
+    *isovalue = isnan(given) ? loader->scene_isovalue : given;
+    if (!isnan(given)) return iso_isovalue_check(&loader->volume.grid, given, error);
+    if (!isnan(*isovalue)) return ISO_OK;
+    ISO_TRY(iso_loader_histogram(loader, error));
+    if (!loader->candidate_count)
+        return iso_fail(error, ISO_ERR_EMPTY, "the volume is constant: every voxel is %g",
+                        loader->histogram.minimum);
+    *isovalue = loader->candidates[0];
+    *chosen = true;
+    return ISO_OK;
 }
 
 iso_status iso_loader_moments(iso_loader *loader, const iso_ranks *ranks, iso_error *error) {

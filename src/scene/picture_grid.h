@@ -1,14 +1,14 @@
 /* picture_grid: pictures of one size in rows and columns, with titles: the layout of sheets of panels and of
  * contact sheets. */
-#ifndef ISO_APPS_COMMON_PICTURE_GRID_H
-#define ISO_APPS_COMMON_PICTURE_GRID_H
+#ifndef ISO_SCENE_PICTURE_GRID_H
+#define ISO_SCENE_PICTURE_GRID_H
 
 #include "image/drawing.h"
 
 typedef struct iso_picture_grid {
     int count, columns; /* columns 0: up to 3, or about as many as rows */
     int panel[2];       /* width and height of a picture, pixels */
-    double font;        /* size of the font, pixels: iso_annotation_font_size */
+    double font;        /* size of the font, pixels; 0: by the size of a picture */
     bool below;         /* titles stand below their pictures, not above */
     iso_rgb background;
     bool transparent;

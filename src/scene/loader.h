@@ -11,14 +11,14 @@
  *
  * Messages name the input only where a reader does; the caller puts iso_spool_name(loader.input) before the
  * others. One thread at a time. */
-#ifndef ISO_APPS_COMMON_LOADER_H
-#define ISO_APPS_COMMON_LOADER_H
+#ifndef ISO_SCENE_LOADER_H
+#define ISO_SCENE_LOADER_H
 
-#include "apps/common/input_spool.h"
 #include "base/parallel.h"
 #include "extract/isovalue/isovalue.h"
 #include "grids/volume/input.h"
 #include "io/glyphs/mapped_points.h"
+#include "scene/input_spool.h"
 #include "scene/painted.h"
 
 /* The volume that was read last, for the next loader: work on one file in several steps reads it once.
@@ -81,6 +81,8 @@ typedef struct iso_loader {
     /* after iso_loader_histogram: */
     bool has_histogram;
     iso_histogram histogram;
+    double candidates[ISO_ISOVALUE_CANDIDATES]; /* isovalues that it suggests (iso_isovalue_suggest), */
+    size_t candidate_count;                     /* the best one first; 0: the volume is constant */
 
     /* after iso_loader_moments: */
     bool has_moments;
@@ -118,9 +120,18 @@ iso_status iso_loader_histogram(iso_loader *loader, iso_error *error);
 /* The same by several processes that call it together, each of which reads a share of the voxels. */
 iso_status iso_loader_histogram_together(iso_loader *loader, const iso_ranks *ranks, iso_error *error);
 
+/* Takes a histogram of the volume that is known already. */
+void iso_loader_set_histogram(iso_loader *loader, const iso_histogram *histogram);
+
 /* Computes `moments`, unless they exist already, by several processes that call it together, or by one: NULL.
  * ISO_ERR_EMPTY: no voxel is finite. */
 iso_status iso_loader_moments(iso_loader *loader, const iso_ranks *ranks, iso_error *error);
+
+/* The isovalue of a volume that has been read: `given`, or if that is NAN a scene's own, or the first of the
+ * candidates, *chosen. ISO_ERR_EMPTY: `given` lies beyond the band of a level set, or the volume is constant;
+ * errors of iso_loader_histogram. */
+iso_status iso_loader_isovalue(iso_loader *loader, double given, double *isovalue, bool *chosen,
+                               iso_error *error);
 
 /* Frees everything that was read, and the copy of standard input. */
 void iso_loader_close(iso_loader *loader);

@@ -15,8 +15,8 @@
  *     ... read path, several times if need be; messages of readers begin with spool.path ...
  *     iso_spool_close(&spool);
  */
-#ifndef ISO_APPS_COMMON_INPUT_SPOOL_H
-#define ISO_APPS_COMMON_INPUT_SPOOL_H
+#ifndef ISO_SCENE_INPUT_SPOOL_H
+#define ISO_SCENE_INPUT_SPOOL_H
 
 #include <stdbool.h>
 
