@@ -30,6 +30,7 @@ typedef enum iso_tool {
     ISO_TOOL_UNMASK,
     ISO_TOOL_CLEAR_MASK,  /* at a stroke's first sample: unfreezes all voxels, wherever the sample is */
     ISO_TOOL_INVERT_MASK, /* the same: freezes what is not frozen, and unfreezes the rest */
+    ISO_TOOL_BLUR_MASK,   /* the same: smooths the border of the mask, over the radius, at most 16 voxels */
     ISO_TOOL_PAINT,       /* lays the brush's colour over the surface; without a colour: takes paint away */
     /* The last three act when the stroke ends, by what its samples outline for a viewer whom their normals
      * point to: parallel normals extend the outline as a prism, normals towards one point as a pyramid. */

@@ -152,7 +152,8 @@ void isosculpt_controller_set_radius(isosculpt_controller *controller, double ra
 bool isosculpt_tool_has_color(iso_tool tool);
 /* Takes the brush's colour from the surface under the pointer, if it is over one. */
 void isosculpt_controller_pick_color(isosculpt_controller *controller);
-/* Changes the whole mask as a stroke of its own: ISO_TOOL_CLEAR_MASK, or ISO_TOOL_INVERT_MASK. Does nothing
+/* Changes the whole mask as a stroke of its own: ISO_TOOL_CLEAR_MASK to ISO_TOOL_BLUR_MASK, this one over
+ * the brush's radius. Does nothing
  * while the pointer is dragged, while a volume is shown, or while strokes are being edited. */
 void isosculpt_controller_change_mask(isosculpt_controller *controller, iso_tool tool);
 

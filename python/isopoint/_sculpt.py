@@ -14,7 +14,8 @@ from ._volume import Volume
 
 _TOOLS = {name.replace("_", "-").lower(): getattr(lib, "ISO_TOOL_" + name) for name in
           ("ADD", "CARVE", "BLEND_ADD", "BLEND_CARVE", "SMOOTH", "INFLATE", "DEFLATE", "FLATTEN", "SCRAPE", "FILL",
-           "CLAY", "PINCH", "CREASE", "SNAKE_HOOK", "MOVE", "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK", "PAINT",
+           "CLAY", "PINCH", "CREASE", "SNAKE_HOOK", "MOVE", "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK", "BLUR_MASK",
+           "PAINT",
            "TRIM_PLANE", "TRIM_LASSO", "CROP_LASSO")}
 _SOLIDS = {name.lower(): getattr(lib, "ISO_SOLID_" + name) for name in
            ("SPHERE", "BOX", "CAPSULE", "CYLINDER", "TORUS", "STAMP")}
@@ -27,7 +28,7 @@ _FALLOFFS = {name.lower(): getattr(lib, "ISO_FALLOFF_" + name) for name in ("SMO
 class Brush:
     """A brush. `tool`: "add", "carve", "blend-add", "blend-carve", "smooth", "inflate", "deflate", "flatten",
     "scrape", "fill", "clay", "pinch", "crease", "snake-hook", "move", "mask", "unmask", "clear-mask", "invert-mask",
-    "paint", "trim-plane", "trim-lasso" or "crop-lasso"; `shape` of the first four: "sphere", "box", "capsule",
+    "blur-mask" (its border, over the radius), "paint", "trim-plane", "trim-lasso" or "crop-lasso"; `shape` of the first four: "sphere", "box", "capsule",
     "cylinder", "torus" or "stamp". Sizes in mm; `aspect` and `spacing` in radii; 0 means the usual. `symmetry`: "x",
     "yz" .., mirrored at planes through `mirror`; `radial`: that many images (2 to 32), turned around the `radial_axis`
     through it. `color`: "#rrggbb", of the surface that "paint", the first four, "inflate", "fill" and "clay" make; None: it

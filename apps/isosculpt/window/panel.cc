@@ -219,13 +219,21 @@ static void choose_brush(isosculpt_controller *controller, iso_brush *brush) {
 
 /* The buttons for the whole mask, and for trimming. */
 static void change_mask(isosculpt_controller *controller, iso_brush *brush) {
-    const button_row row("Invert maskClear maskB lineA lasso", 4);
-    if (ImGui::Button("Invert mask")) isosculpt_controller_change_mask(controller, ISO_TOOL_INVERT_MASK);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Freezes what is free, and frees the rest.\nKey: Ctrl+I");
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted("mask");
+    ImGui::SameLine();
+    const button_row row("InvertBlurClearB lineA lasso", 5);
+    if (ImGui::Button("Invert")) isosculpt_controller_change_mask(controller, ISO_TOOL_INVERT_MASK);
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("The mask: freezes what is free, and frees the rest.\nKey: Ctrl+I");
     row.next();
     ImGui::BeginDisabled(!iso_session_has_mask(controller->document->session));
-    if (ImGui::Button("Clear mask")) isosculpt_controller_change_mask(controller, ISO_TOOL_CLEAR_MASK);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Frees everything.\nKey: Alt+M");
+    if (ImGui::Button("Blur")) isosculpt_controller_change_mask(controller, ISO_TOOL_BLUR_MASK);
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("Smooths the border of the mask, over the brush's radius (16 voxels at most).");
+    row.next();
+    if (ImGui::Button("Clear")) isosculpt_controller_change_mask(controller, ISO_TOOL_CLEAR_MASK);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The mask: frees everything.\nKey: Alt+M");
     ImGui::EndDisabled();
     for (int i = BRUSHES_IN_GRID; i < ISOSCULPT_TOOLS; i++) {
         row.next();

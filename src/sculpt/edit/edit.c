@@ -1,6 +1,6 @@
 /* The editor: turns a touch into dabs in voxels (brush_to_voxels.c, area_plane.h), lists the cells they
  * reach, runs the brush's kernel on each (dab.h), then redistances and commits them (transaction.h). The
- * tools MASK, UNMASK, CLEAR_MASK and INVERT_MASK change only the mask, PAINT only the paint (painter.h). */
+ * tools MASK to BLUR_MASK change only the mask, PAINT only the paint (painter.h). */
 #include "sculpt/edit/edit.h"
 
 #include <math.h>
@@ -9,6 +9,7 @@
 #include "base/numbers.h"
 #include "sculpt/edit/area_plane.h"
 #include "sculpt/edit/editor.h"
+#include "sculpt/edit/mask_blur.h"
 #include "sculpt/edit/transaction.h"
 #include "sculpt/field/crease.h"
 #include "sculpt/limits.h"
@@ -511,6 +512,33 @@ static iso_status change_whole_mask(iso_editor *editor, iso_tool tool, iso_error
     return status;
 }
 
+static iso_status write_blurred(iso_editor *editor, const iso_blurred_cell *cells, size_t count,
+                                iso_error *error) {
+    iso_mask *mask = mask_of(editor);
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < count && status == ISO_OK; i++) {
+        status = notify_item_observer(editor, ISO_ITEM_MASK, cells[i].cell, error);
+        if (status == ISO_OK) status = iso_cell_items_reserve(mask, cells[i].cell, error);
+    }
+    for (size_t i = 0; i < count; i++)
+        iso_cell_items_set(mask, cells[i].cell,
+                           status == ISO_OK ? &cells[i].bits : iso_mask_bits(mask, cells[i].cell), NULL);
+    return status;
+}
+
+/* Smooths the mask's border. If it fails, the mask is as before. */
+static iso_status blur_mask(iso_editor *editor, double radius_voxels, iso_error *error) {
+    const int reach = (int)fmax(1, fmin(round(radius_voxels), ISO_MASK_BLUR_MOST));
+    iso_buffer changed = {0};
+    size_t count = 0, looked_at = 0;
+    iso_status status =
+        iso_mask_blur(mask_of(editor), editor->transaction.grid, reach, &changed, &count, &looked_at, error);
+    editor->cost += (double)mask_of(editor)->cells / 64 + (double)looked_at;
+    if (status == ISO_OK) status = write_blurred(editor, changed.data, count, error);
+    iso_buffer_free(&changed);
+    return status;
+}
+
 static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                               iso_error *error) {
     ISO_TRY(iso_brush_check(brush, error));
@@ -614,6 +642,8 @@ iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const is
     make_dabs(editor, brush, touch, &dabs);
     if (brush->tool == ISO_TOOL_MASK || brush->tool == ISO_TOOL_UNMASK)
         status = touch_mask(editor, &dabs, error);
+    else if (brush->tool == ISO_TOOL_BLUR_MASK)
+        status = blur_mask(editor, (double)dabs.radius_voxels, error);
     else if (iso_tool_is_whole_mask(brush->tool))
         status = change_whole_mask(editor, brush->tool, error);
     else if (brush->tool == ISO_TOOL_PAINT)
