@@ -113,12 +113,18 @@ typedef struct iso_sculpt_opts {
     double voxel_size;   /* mm; 0 means 1 for a ball, and the smallest spacing for a volume */
     int dims[3];         /* voxels of the grid of a new ball, each at most 2048; 0 means 256 */
     double radius;       /* radius of a new ball, mm; 0: a quarter of the grid's smallest side */
+    iso_solid solid;     /* of a new session: SPHERE to TORUS, whose axis is z, instead of this ball, if .. */
+    iso_vec3 size;       /* .. the size of its bounding box is given, mm: of all but a box x and z count; a
+                            torus is a ring of x, whose tube has the diameter z. The grid suits it: dims and
+                            radius are 0, and the voxel size is by default 1/160 of its longest side */
+    double round;        /* of a box or cylinder: the radius of its edges, mm */
     const char *journal; /* path of the journal (stroke file) to create; NULL: no journal */
     size_t undo_memory;  /* bytes; 0 means 1 GiB; further undo steps are kept in a file beside the journal */
     int threads;         /* 0: one for each processor */
 } iso_sculpt_opts;
 
-/* Creates a ball at the world's origin, in the middle of its grid. ISO_ERR_USAGE, ISO_ERR_LIMIT: the size;
+/* Creates a ball (or the solid of opts->size) at the world's origin, in the middle of its grid, as exact
+ * distances. ISO_ERR_USAGE, ISO_ERR_LIMIT: the size;
  * ISO_ERR_WRITE: the journal already exists or cannot be created. */
 ISO_API iso_status iso_sculpt_create(const iso_sculpt_opts *opts, iso_sculpt **sculpt, iso_error *error);
 /* Converts the solid that a volume has at an isovalue to a level set with cubic voxels along the volume's

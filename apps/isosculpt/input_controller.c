@@ -399,7 +399,7 @@ void isosculpt_controller_change_mask(isosculpt_controller *controller, iso_tool
         isosculpt_stroke_editor_is_busy(&controller->document->strokes) ||
         !cancel_unfinished_stroke(controller))
         return;
-    if (tool == ISO_TOOL_CLEAR_MASK && !iso_session_has_mask(session)) return;
+    if (tool != ISO_TOOL_INVERT_MASK && !iso_session_has_mask(session)) return;
     const iso_brush brush = {.tool = tool, .radius = controller->brush.radius};
     /* The tool changes all voxels; the sample only has to be somewhere in the grid. */
     const iso_sample sample = {.position = controller->document->start.origin,
@@ -604,6 +604,8 @@ static bool handle_command_key(isosculpt_controller *controller, int key, bool s
         controller->commands |= shift ? ISOSCULPT_COMMAND_SAVE_AS : ISOSCULPT_COMMAND_SAVE;
     else if (key == 'o')
         controller->commands |= ISOSCULPT_COMMAND_OPEN;
+    else if (key == 'n')
+        controller->commands |= ISOSCULPT_COMMAND_NEW;
     else if (key == 'q')
         controller->commands |= ISOSCULPT_COMMAND_CLOSE;
     else if (key == 'z' || key == 'y')

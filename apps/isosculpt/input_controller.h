@@ -52,7 +52,8 @@ typedef enum isosculpt_command {
     ISOSCULPT_COMMAND_CLOSE = 4,
     ISOSCULPT_COMMAND_SCULPT = 8,   /* convert the viewed volume into a field */
     ISOSCULPT_COMMAND_SAVE_AS = 16, /* save to a name that the user chooses */
-    ISOSCULPT_COMMAND_OPEN = 32     /* open a file that the user chooses */
+    ISOSCULPT_COMMAND_OPEN = 32,    /* open a file that the user chooses */
+    ISOSCULPT_COMMAND_NEW = 64      /* begin with a solid that the user chooses */
 } isosculpt_command;
 
 /* The path of the pointer while it outlines what is removed, in pixels of the picture. */

@@ -29,6 +29,7 @@ typedef enum isosculpt_x_ray {
 typedef struct isosculpt_settings {
     iso_common_settings common; /* first; `input` says how the opened file is read */
     const char *strokes;        /* the operand: a stroke file to continue in a window */
+    iso_start_solid solid;      /* that a new session begins with; size.x = 0: not given */
     const char *replay, *open, *stamp, *output, *mesh, *font;
     isosculpt_edits edits;    /* of the strokes that are replayed */
     const char *save_strokes; /* where the strokes go with their edits; NULL: nowhere */
@@ -45,6 +46,14 @@ typedef struct isosculpt_settings {
     double close_holes;   /* iso_closing_opts.hole, mm */
     uint64_t undo_memory; /* bytes */
 } isosculpt_settings;
+
+static inline bool isosculpt_has_new(const isosculpt_settings *settings) {
+    return settings->solid.size.x > 0;
+}
+
+/* Reads SOLID:SIZE[,round=MM], where SIZE has the numbers that the solid needs: sphere:80, box:60x40x20,
+ * capsule:20x60, cylinder:40x60 and torus:80x16 (across and along z). ISO_ERR_USAGE. */
+iso_status isosculpt_solid_parse(const char *text, iso_start_solid *solid, iso_error *error);
 
 /* The group of the options that say how a volume is read. */
 #define ISOSCULPT_READING "Reading a volume"

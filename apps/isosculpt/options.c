@@ -24,6 +24,13 @@ static iso_status apply_resolution(void *target, const char *value, iso_error *e
     return iso_parse_resolution(value, settings->resolution, error);
 }
 
+static iso_status apply_new(void *target, const char *value, iso_error *error) {
+    isosculpt_settings *settings = target;
+    ISO_TRY(isosculpt_solid_parse(value, &settings->solid, error));
+    const iso_status status = iso_start_solid_check(&settings->solid, settings->solid.size.x, error);
+    return status == ISO_OK ? ISO_OK : ISO_ERR_USAGE;
+}
+
 static iso_status apply_close_holes(void *target, const char *value, iso_error *error) {
     isosculpt_settings *settings = target;
     char *end;
@@ -55,6 +62,11 @@ static const char *const spaces[] = {"file", "lps", "ras", NULL}; /* iso_space *
 static const iso_option options[] = {
     {"recover", NULL, NULL, "continue the last session that was not closed", .group = SESSION,
      .kind = ISO_OPTION_FLAG, AT(recover)},
+    {"new", NULL, "SOLID:SIZE",
+     "begin with a solid around the origin: sphere:80, box:60x40x20 (mm), capsule:20x60, cylinder:40x60, "
+     "torus:80x16 "
+     "(across and along z); the edges of box and cylinder can be rounded (,round=4)",
+     .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_new, .standard = "sphere:80"},
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
     {"edit", NULL, "STROKES:KEY=VALUE,...",
      "before the result is written, give strokes of --replay another brush; STROKES is a number or two (12 "
@@ -239,7 +251,10 @@ static iso_status check_window(isosculpt_settings *settings, const iso_operands 
                         "--replay, --output, --mesh, --json, --extract and --draw need --headless");
     if (settings->edits.count || settings->save_strokes)
         return iso_fail(error, ISO_ERR_USAGE, "edits of strokes by options need --replay and --headless");
-    if (operands->count + (settings->open != NULL) + (settings->recover != 0) > 1)
+    const int begun = operands->count + (settings->open != NULL) + (settings->recover != 0);
+    if (isosculpt_has_new(settings) && begun > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "one session at a time: --new is too many");
+    if (begun > 1)
         return iso_fail(error, ISO_ERR_USAGE, "one session at a time: '%s' is too many",
                         operands->count ? operands->values[operands->count - 1] : settings->open);
     const char *operand = operands->count ? operands->values[0] : NULL;
@@ -247,8 +262,8 @@ static iso_status check_window(isosculpt_settings *settings, const iso_operands 
         settings->strokes = operand;
     else if (operand)
         settings->open = operand;
-    if (settings->voxel_size > 0 && !settings->open)
-        return iso_fail(error, ISO_ERR_USAGE, "--voxel-size needs a file to open, or --headless");
+    if (settings->voxel_size > 0 && !settings->open && !isosculpt_has_new(settings))
+        return iso_fail(error, ISO_ERR_USAGE, "--voxel-size needs a file to open, --new, or --headless");
     return check_opened(settings, error);
 }
 
@@ -286,8 +301,10 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
         return iso_fail(error, ISO_ERR_USAGE,
                         "%s: with --headless a file is named by --open, and strokes by --replay",
                         operands->values[0]);
-    if (!settings->replay && !settings->open)
-        return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE or --open FILE");
+    if (settings->open && isosculpt_has_new(settings))
+        return iso_fail(error, ISO_ERR_USAGE, "a session begins with --open or with --new");
+    if (!settings->replay && !settings->open && !isosculpt_has_new(settings))
+        return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE, --open FILE or --new SOLID");
     if ((settings->edits.count || settings->save_strokes) && !settings->replay)
         return iso_fail(error, ISO_ERR_USAGE, "edits of strokes, and --save-strokes, need --replay");
     if (settings->save_strokes && !is_type(settings->save_strokes, ISO_HOLDS_STROKES))

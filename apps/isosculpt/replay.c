@@ -71,19 +71,6 @@ static void free_times(report *r) {
 
 /* ---- the field that the session began with */
 
-/* Changes the voxel size; the grid keeps its size in mm, rounded up to whole bricks. */
-static iso_status change_voxel_size(iso_journal_start *start, double voxel_size, iso_error *error) {
-    for (int axis = 0; axis < 3; axis++) {
-        double voxels = ceil(start->dims[axis] * start->voxel_size / voxel_size / ISO_BRICK) * ISO_BRICK;
-        if (voxels > ISO_HGRID_MAX)
-            return iso_fail(error, ISO_ERR_LIMIT, "voxels of %g mm: %g of them along %c, at most %d",
-                            voxel_size, voxels, "xyz"[axis], ISO_HGRID_MAX);
-        start->dims[axis] = (int)voxels;
-    }
-    start->voxel_size = voxel_size;
-    return ISO_OK;
-}
-
 static void log_note(const char *text) {
     iso_program_log(isosculpt_program(), "%s", text);
 }
@@ -112,6 +99,7 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
     const iso_progress bar = {.tell = show_opening, .context = &shown};
     const bool shows = !settings->common.quiet && iso_progress_bar_possible();
     const iso_source source = {.path = settings->open,
+                               .solid = &settings->solid,
                                .progress = shows ? &bar : NULL,
                                .isovalue = settings->isovalue,
                                .voxel = settings->voxel_size,
@@ -123,11 +111,8 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
                                .paint = paint,
                                .files = files,
                                .note = settings->common.quiet ? NULL : log_note};
-    if (settings->open) return iso_source_open(&source, start, grid, error);
-    if (strcmp(start->source, "ball") != 0)
-        return iso_source_reopen(settings->replay, &source, start, grid, error);
-    if (settings->voxel_size > 0) ISO_TRY(change_voxel_size(start, settings->voxel_size, error));
-    return iso_session_ball(start, grid, error);
+    if (settings->open || isosculpt_has_new(settings)) return iso_source_open(&source, start, grid, error);
+    return iso_source_reopen(settings->replay, &source, start, grid, error);
 }
 
 static void log_parts(const isosculpt_settings *settings, const report *r) {
@@ -359,7 +344,7 @@ static iso_status write_report(const isosculpt_settings *settings, const report 
 /* ---- outputs */
 
 static const char *input_name(const isosculpt_settings *settings) {
-    return settings->replay ? settings->replay : settings->open;
+    return settings->replay ? settings->replay : settings->open ? settings->open : "--new";
 }
 
 /* Whether the output is the segmentation that the session began with. */
@@ -417,7 +402,7 @@ static iso_status write_level_set(player *p, const char *path, iso_error *error)
 
 /* The stroke file that the session's source is sought beside. */
 static const char *strokes_of(const isosculpt_settings *settings) {
-    return settings->open ? "" : settings->replay;
+    return settings->replay && !settings->open ? settings->replay : "";
 }
 
 static iso_status write_label(player *p, const char *path, iso_error *error) {

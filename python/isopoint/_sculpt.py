@@ -87,12 +87,18 @@ class Stroke:
 
 class Sculpt:
     """A ball at the world's origin, to be sculpted. `shape` of its grid (z, y, x), voxels of `voxel` mm; `radius` mm, 0: a
-    quarter of the grid. `journal`: a stroke file, which keeps every stroke; it must not exist yet."""
+    quarter of the grid. With a `size` (x, y, z) of its bounding box in mm it is a `solid` instead: "sphere", "box", "capsule",
+    "cylinder" or "torus" (a ring of x, whose tube has the diameter z) along z, a box or cylinder with edges of the radius `round`,
+    in a grid that suits it. `journal`: a stroke file, which keeps every stroke; it must not exist yet."""
 
     def __init__(self, *, voxel: float = 0.0, shape: Sequence[int] = (0, 0, 0), radius: float = 0.0,
+                 solid: str = "sphere", size: Optional[Floats] = None, round: float = 0.0,
                  journal: Optional[Path] = None, threads: int = 0) -> None:
         self._create(lib.iso_sculpt_create, {"voxel_size": voxel, "dims": [int(n) for n in reversed(shape)],
-                                             "radius": radius, "threads": threads}, journal=journal)
+                                             "radius": radius, "threads": threads,
+                                             "solid": one_of(_SOLIDS, solid, "solid"), "round": round,
+                                             "size": vec3((0, 0, 0) if size is None else size, "size")},
+                     journal=journal)
 
     def _create(self, function: Any, options: "dict[str, Any]", *arguments: Any,
                 journal: Optional[Path] = None) -> None:

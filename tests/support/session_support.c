@@ -37,7 +37,7 @@ iso_session *session_open(const iso_session_opts *opts) {
     iso_hgrid *grid;
     iso_session *session;
     iso_error error = {0};
-    if (iso_session_ball(&SESSION_START, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (iso_session_solid(&SESSION_START, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
     if (iso_session_create(grid, &SESSION_START, opts, &session, &error) != ISO_OK)
         fail_msg("%s", error.text);
     return session;

@@ -22,7 +22,7 @@
     X("Ctrl+I, Alt+M", "invert the mask, clear it")                                                          \
     X("Escape", "take back the stroke, close a list, cancel opening or saving, select no stroke")            \
     X("Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "undo, redo")                                                        \
-    X("Ctrl+O", "open a file")                                                                               \
+    X("Ctrl+O, Ctrl+N", "open a file, begin with a new solid")                                               \
     X("Ctrl+S, Ctrl+Shift+S", "save; save as .vdb (level set), .stl, .ply or .obj (meshes)")                 \
     X("Ctrl+Q", "close")                                                                                     \
     X("M, G", "next method, next engine")                                                                    \

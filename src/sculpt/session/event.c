@@ -46,15 +46,19 @@ char *iso_event_header_text(const iso_journal_start *start) {
     const bool plain = !start->reading[0] && (start->isovalue == 0 || start->voxel_isovalue);
     json_t *header =
         json_pack("{ss si ss si sf s[iii] so sf sf}", "format", FORMAT, "version",
-                  start->has_colors  ? 4
-                  : start->has_edits ? 3
-                  : plain            ? 1
-                                     : 2,
+                  start->solid.size.x > 0 ? 5
+                  : start->has_colors     ? 4
+                  : start->has_edits      ? 3
+                  : plain                 ? 1
+                                          : 2,
                   "source", start->source, "source_crc", (int)start->source_crc, "voxel_size",
                   start->voxel_size, "dims", start->dims[0], start->dims[1], start->dims[2], "origin",
                   vector_json(start->origin), "radius", start->radius, "isovalue", start->isovalue);
     int failed = header && start->reading[0] &&
                  json_object_set_new(header, "reading", json_string_nocheck(start->reading));
+    if (header && start->solid.size.x > 0)
+        failed |= json_object_set_new(header, "size", vector_json(start->solid.size)) ||
+                  json_object_set_new(header, "round", json_real(start->solid.round));
     if (header && start->has_colors) failed |= json_object_set_new(header, "colors", json_true());
     if (!failed) return finish_line(header);
     json_decref(header);
@@ -242,6 +246,17 @@ static iso_status check_kind(const json_t *object, iso_error *error) {
     return version >= 1 ? ISO_OK : bad_member("version", "a version's number", error);
 }
 
+/* Reads the solid that the session begins with, which is named as the source. */
+static iso_status read_solid(const json_t *object, iso_journal_start *start, iso_error *error) {
+    start->solid = (iso_start_solid){.round = 0};
+    if (!json_object_get(object, "size")) return ISO_OK;
+    if (iso_solid_find(start->source, &start->solid.kind, NULL) != ISO_OK)
+        return bad_member("source", "a solid of this version", error);
+    ISO_TRY(get_vector(object, "size", &start->solid.size, error));
+    ISO_TRY(get_number(object, "round", &start->solid.round, error));
+    return start->solid.size.x > 0 ? ISO_OK : bad_member("size", "positive", error);
+}
+
 static iso_status read_header(const json_t *object, iso_journal_start *start, iso_error *error) {
     json_int_t crc = 0;
     ISO_TRY(check_kind(object, error));
@@ -258,6 +273,7 @@ static iso_status read_header(const json_t *object, iso_journal_start *start, is
     ISO_TRY(get_vector(object, "origin", &start->origin, error));
     ISO_TRY(get_number(object, "radius", &start->radius, error));
     ISO_TRY(get_number(object, "isovalue", &start->isovalue, error));
+    ISO_TRY(read_solid(object, start, error));
     return iso_limits_start(start, error);
 }
 
