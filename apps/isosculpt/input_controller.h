@@ -5,6 +5,7 @@
 #define ISO_APPS_ISOSCULPT_INPUT_CONTROLLER_H
 
 #include "apps/isosculpt/document.h"
+#include "apps/isosculpt/measuring.h"
 #include "apps/isosculpt/recorded_strokes.h"
 #include "apps/isosculpt/viewport/viewport.h"
 
@@ -82,7 +83,8 @@ typedef struct isosculpt_controller {
     double press_x, press_y; /* ISOSCULPT_DRAG_SELECT: where it began, and with which modifier keys */
     unsigned press_modifiers;
     isosculpt_outline outline; /* ISOSCULPT_DRAG_OUTLINE */
-    bool brush_held;           /* the panel's brush is being changed: a stroke gets it when this is over */
+    isosculpt_measuring measuring;
+    bool brush_held; /* the panel's brush is being changed: a stroke gets it when this is over */
 
     bool viewing_volume; /* a volume is shown: there is no field that a brush could change */
     bool field_pending;  /* the volume is to become a field, or becomes one: strokes are queued until then */
@@ -157,6 +159,10 @@ void isosculpt_controller_pick_color(isosculpt_controller *controller);
  * the brush's radius. Does nothing
  * while the pointer is dragged, while a volume is shown, or while strokes are being edited. */
 void isosculpt_controller_change_mask(isosculpt_controller *controller, iso_tool tool);
+
+/* Measures the solid (controller->measuring.solid). Not while a stroke is drawn. Errors are stored in
+ * controller->error. */
+void isosculpt_controller_measure_solid(isosculpt_controller *controller);
 
 /* Makes a stamp the shape of the brush; the session takes it over. Not during a stroke. */
 void isosculpt_controller_set_stamp(isosculpt_controller *controller, iso_stamp *stamp);

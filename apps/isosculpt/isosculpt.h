@@ -3,6 +3,7 @@
 #define ISO_APPS_ISOSCULPT_ISOSCULPT_H
 
 #include "apps/common/settings.h"
+#include "apps/isosculpt/measuring.h"
 #include "apps/isosculpt/stroke_edits.h"
 #include "extract/mesh/mesh.h"
 #include "extract/mesh/mesh_measure.h"
@@ -30,6 +31,7 @@ typedef struct isosculpt_settings {
     iso_common_settings common; /* first; `input` says how the opened file is read */
     const char *strokes;        /* the operand: a stroke file to continue in a window */
     iso_start_solid solid;      /* that a new session begins with; size.x = 0: not given */
+    isosculpt_measure_request measure;
     const char *replay, *open, *stamp, *output, *mesh, *font;
     isosculpt_edits edits;    /* of the strokes that are replayed */
     const char *save_strokes; /* where the strokes go with their edits; NULL: nowhere */

@@ -24,6 +24,10 @@ static iso_status apply_resolution(void *target, const char *value, iso_error *e
     return iso_parse_resolution(value, settings->resolution, error);
 }
 
+static iso_status apply_measure(void *target, const char *value, iso_error *error) {
+    return isosculpt_measure_parse(value, &((isosculpt_settings *)target)->measure, error);
+}
+
 static iso_status apply_new(void *target, const char *value, iso_error *error) {
     isosculpt_settings *settings = target;
     ISO_TRY(isosculpt_solid_parse(value, &settings->solid, error));
@@ -131,6 +135,11 @@ static const iso_option options[] = {
     {"save-strokes", NULL, "FILE",
      "write the strokes of --replay with the edits as a stroke file (.strokes), in which these can be undone",
      .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(save_strokes)},
+    {"measure", NULL, "PLACES",
+     "say volume, area and size; of each place (X/Y/Z,X/Y/Z, mm) the nearest one of the surface, how thick "
+     "the solid is "
+     "there along the inward normal, and how far it is from the place before (--json: measured)",
+     .group = OUTPUT, .kind = ISO_OPTION_CALL, .apply = apply_measure, .flags = ISO_OPTION_VALUE_OPTIONAL},
     {"json", NULL, "FILE", "say what was done as JSON, to standard output without a file", .group = OUTPUT,
      .kind = ISO_OPTION_CALL, .apply = iso_settings_apply_json, .extension = ".json",
      .flags = ISO_OPTION_VALUE_OPTIONAL},
@@ -245,6 +254,8 @@ static iso_status check_opened(const isosculpt_settings *settings, iso_error *er
 
 /* Refuses options that a window does not use. The operand is a stroke file or a file to open. */
 static iso_status check_window(isosculpt_settings *settings, const iso_operands *operands, iso_error *error) {
+    if (settings->measure.on)
+        return iso_fail(error, ISO_ERR_USAGE, "--measure needs --headless: in a window the key D measures");
     if (settings->replay || settings->output || settings->mesh || settings->common.json ||
         settings->extract || settings->draw)
         return iso_fail(error, ISO_ERR_USAGE,

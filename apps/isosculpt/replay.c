@@ -43,6 +43,7 @@ typedef struct report {
     iso_components_totals parts; /* of the opened file; zero unless parts could be dropped */
     const char *mesh_path;       /* of the mesh that was written; NULL: none */
     iso_mesh_measures mesh;      /* of that mesh */
+    isosculpt_measured measured; /* of --measure */
     int resolution[2];           /* pixels, of --draw */
     iso_label_changes *label;    /* owned; of the segmentation that was written; NULL: none */
 } report;
@@ -306,6 +307,7 @@ static void put_report(iso_json *json, const isosculpt_settings *settings, const
     if (r->parts.kept) iso_put_components(json, "solid_parts", &r->parts);
     if (r->mesh_path) iso_put_mesh_measures(json, "mesh", &r->mesh);
     put_label(json, r);
+    if (settings->measure.on) isosculpt_put_measured(json, &r->measured);
     iso_json_integer(json, "strokes", r->strokes);
     iso_json_integer(json, "samples", r->samples);
     iso_json_integer(json, "undone", r->undone);
@@ -518,7 +520,9 @@ static void log_outputs(const player *p) {
     const iso_program *program = isosculpt_program();
     const char *input = input_name(p->settings);
     if (p->settings->common.quiet) return;
-    if (!p->written[0] && !p->written[1] && !p->written[2] && !p->settings->common.json)
+    if (p->settings->measure.on) isosculpt_tell_measured(&p->report->measured, log_note);
+    if (!p->written[0] && !p->written[1] && !p->written[2] && !p->settings->common.json &&
+        !p->settings->measure.on)
         iso_program_log(program, "%s: note: nothing is written: --output or --mesh names a file", input);
     for (int i = 0; i < 3; i++) {
         const char *path = p->written[i];
@@ -535,6 +539,14 @@ static void log_outputs(const player *p) {
     }
 }
 
+static iso_status measure(player *p, iso_error *error) {
+    const iso_grid grid = {.hgrid = iso_session_grid(p->session)};
+    const iso_status status =
+        isosculpt_measure(&p->settings->measure, &grid, p->pool, &p->report->measured, error);
+    if (status != ISO_ERR_EMPTY) return status;
+    return iso_fail(error, status, "%s: nothing is left of the solid", input_name(p->settings));
+}
+
 static iso_status play_and_write(player *p, iso_journal_reader *reader, iso_error *error) {
     ISO_TRY(prepare(p, error));
     double start = iso_clock_seconds();
@@ -547,6 +559,7 @@ static iso_status play_and_write(player *p, iso_journal_reader *reader, iso_erro
     const iso_hgrid *grid = iso_session_grid(p->session);
     p->report->bricks = iso_hgrid_brick_count(grid);
     p->report->bytes = iso_hgrid_bytes(grid);
+    if (p->settings->measure.on) ISO_TRY(measure(p, error));
     iso_status status = write_outputs(p, error);
     for (int i = 0; status != ISO_OK && i < 3; i++) iso_file_remove(p->written[i]); /* all outputs or none */
     ISO_TRY(status);

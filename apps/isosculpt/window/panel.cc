@@ -468,6 +468,7 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
         draw_numbers_section(screen->controller, viewing_volume ? nullptr : screen);
     if (!viewing_volume && ImGui::CollapsingHeader("Strokes"))
         panel_draw_strokes(screen->controller, panel->scale);
+    if (!viewing_volume) panel_draw_measure(screen->controller);
     ImGui::PopItemWidth();
     panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
     ImGui::End();
