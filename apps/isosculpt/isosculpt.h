@@ -32,6 +32,9 @@ typedef struct isosculpt_settings {
     const char *strokes;        /* the operand: a stroke file to continue in a window */
     iso_start_solid solid;      /* that a new session begins with; size.x = 0: not given */
     isosculpt_measure_request measure;
+    const char *video; /* of the strokes as they are drawn; NULL: none */
+    double seconds, turntable,
+        frame_rate; /* of the video: of strokes, of a turn after them; pictures a second */
     const char *replay, *open, *stamp, *output, *mesh, *font;
     isosculpt_edits edits;    /* of the strokes that are replayed */
     const char *save_strokes; /* where the strokes go with their edits; NULL: nowhere */
@@ -41,7 +44,7 @@ typedef struct isosculpt_settings {
     int x_ray;            /* isosculpt_x_ray */
     iso_texts references; /* files of the reference; none: the surface as it was when the session began */
     int space;            /* iso_space, of the references */
-    int resolution[2];    /* pixels, of the pictures of --draw; 0: 1280 x 800 */
+    int resolution[2];    /* pixels, of the pictures of --draw and --video */
     double voxel_size;    /* mm; 0: not given */
     double scale;         /* of text and panel in the window; 0: the screen's */
     double isovalue;      /* physical; NAN: not given */

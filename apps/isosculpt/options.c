@@ -140,6 +140,17 @@ static const iso_option options[] = {
      "the solid is "
      "there along the inward normal, and how far it is from the place before (--json: measured)",
      .group = OUTPUT, .kind = ISO_OPTION_CALL, .apply = apply_measure, .flags = ISO_OPTION_VALUE_OPTIONAL},
+    {"video", NULL, "FILE",
+     "write a video ({videos}) of the strokes as they are drawn, those that are left and in their order; "
+     "ffmpeg encodes it",
+     .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(video)},
+    {"seconds", NULL, "S", "that the strokes take in the video", .group = OUTPUT, .kind = ISO_OPTION_REAL,
+     AT(seconds), .standard = "10", .low = 0.04, .high = 36000},
+    {"turntable", NULL, "S", "after the strokes the camera turns once around the result, in so many seconds",
+     .group = OUTPUT, .kind = ISO_OPTION_REAL, AT(turntable), .standard = "0; 5 without strokes", .low = 0,
+     .high = 36000},
+    {"frame-rate", NULL, "N", "pictures a second of the video", .group = OUTPUT, .kind = ISO_OPTION_REAL,
+     AT(frame_rate), .standard = "25", .low = 0.01, .high = 1000},
     {"json", NULL, "FILE", "say what was done as JSON, to standard output without a file", .group = OUTPUT,
      .kind = ISO_OPTION_CALL, .apply = iso_settings_apply_json, .extension = ".json",
      .flags = ISO_OPTION_VALUE_OPTIONAL},
@@ -148,7 +159,7 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_FLAG, AT(extract)},
     {"draw", NULL, NULL, "draw the picture after every sample, as a window does, and time it",
      .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(draw)},
-    {"resolution", NULL, "WxH", "size of the pictures that --draw draws", .group = RUNNING,
+    {"resolution", NULL, "WxH", "size of the pictures of --draw and --video", .group = RUNNING,
      .kind = ISO_OPTION_CALL, .apply = apply_resolution, .standard = "1280x800"},
     {"backend", "rendering-backend", "NAME",
      "what draws in the window: cpu, or gl (OpenGL: points, discs, pullpush and mesh, and exact as a mesh "
@@ -184,7 +195,7 @@ static const iso_option options[] = {
 static const char *const exit_text[] = {"0  done",
                                         "2  wrong usage",
                                         "3  the stroke file cannot be read, or is damaged",
-                                        "4  no window can be opened: use --headless",
+                                        "4  no window can be opened: use --headless; or ffmpeg is missing",
                                         "5  out of memory",
                                         "6  nothing is left of the solid",
                                         "7  an output could not be written",
@@ -254,6 +265,7 @@ static iso_status check_opened(const isosculpt_settings *settings, iso_error *er
 
 /* Refuses options that a window does not use. The operand is a stroke file or a file to open. */
 static iso_status check_window(isosculpt_settings *settings, const iso_operands *operands, iso_error *error) {
+    if (settings->video) return iso_fail(error, ISO_ERR_USAGE, "--video needs --headless");
     if (settings->measure.on)
         return iso_fail(error, ISO_ERR_USAGE, "--measure needs --headless: in a window the key D measures");
     if (settings->replay || settings->output || settings->mesh || settings->common.json ||
@@ -295,11 +307,17 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
                                     iso_operands *operands, iso_error *error) {
     memset(settings, 0, sizeof *settings);
     settings->isovalue = NAN;
+    settings->frame_rate = 25;
+    settings->resolution[0] = 1280;
+    settings->resolution[1] = 800;
+    settings->seconds = 10;
+    settings->turntable = -1;
     ISO_TRY(iso_options_parse(isosculpt_program(), argc, argv, settings, operands, error));
     if (settings->common.action) return ISO_OK;
     ISO_TRY(check_files(settings, operands, error));
     if (settings->space && !settings->references.count)
         return iso_fail(error, ISO_ERR_USAGE, "--space is for --reference, which is not given");
+    if (settings->turntable < 0) settings->turntable = settings->replay ? 0 : 5;
     if (!settings->headless) return check_window(settings, operands, error);
     if (settings->recover) return refuse_recovery(error);
     if (settings->scale > 0 || settings->font)

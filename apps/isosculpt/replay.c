@@ -13,6 +13,7 @@
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/mesh_file.h"
 #include "apps/isosculpt/reference_file.h"
+#include "apps/isosculpt/time_lapse.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/file_types.h"
@@ -129,6 +130,8 @@ static void log_parts(const isosculpt_settings *settings, const report *r) {
 
 /* ---- playing */
 
+enum { OUTPUTS = 4 };
+
 typedef struct player {
     const isosculpt_settings *settings;
     report *report;
@@ -136,7 +139,7 @@ typedef struct player {
     iso_session *session;
     iso_point_set *points;
     isosculpt_viewport *viewport; /* NULL: nothing is drawn */
-    const char *written[3];       /* outputs written so far */
+    const char *written[OUTPUTS]; /* outputs written so far */
     iso_buffer events;            /* iso_event: the edits of the command line */
     size_t event_count;
     iso_grid first; /* owned; the field before any stroke, if the output is a segmentation */
@@ -420,6 +423,35 @@ static iso_status write_label(player *p, const char *path, iso_error *error) {
     return status;
 }
 
+static iso_film_opts film_of(const isosculpt_settings *settings) {
+    return (iso_film_opts){.path = settings->video,
+                           .width = settings->resolution[0],
+                           .height = settings->resolution[1],
+                           .frame_rate = settings->frame_rate,
+                           .seconds = settings->replay ? settings->seconds : 0,
+                           .turn_seconds = settings->turntable,
+                           .title = input_name(settings)};
+}
+
+/* Makes the first field again, and draws the strokes that are left. */
+static iso_status write_video(player *p, iso_error *error) {
+    report again = {.start = p->report->start};
+    iso_cell_items paint = {.cell = NULL};
+    iso_file_set files = {0};
+    isosculpt_time_lapse lapse = {.film = film_of(p->settings),
+                                  .start = &again.start,
+                                  .strokes = &p->report->list,
+                                  .result = iso_session_grid(p->session),
+                                  .paint = &paint,
+                                  .pool = p->pool};
+    iso_status status = make_field(p->settings, p->pool, &files, &again, &lapse.first, &paint, error);
+    iso_progress_bar_clear();
+    if (status == ISO_OK) status = isosculpt_time_lapse_write(&lapse, error);
+    iso_cell_items_free(&paint);
+    iso_file_set_free(&files);
+    return status;
+}
+
 static iso_status write_outputs(player *p, iso_error *error) {
     const isosculpt_settings *settings = p->settings;
     const char *output = settings->output;
@@ -438,6 +470,8 @@ static iso_status write_outputs(player *p, iso_error *error) {
         ISO_TRY(iso_journal_rewrite(settings->replay, p->events.data, p->event_count, settings->save_strokes,
                                     error));
     p->written[2] = settings->save_strokes;
+    if (settings->video) ISO_TRY(write_video(p, error));
+    p->written[3] = settings->video;
     return settings->common.json ? write_report(settings, p->report, error) : ISO_OK;
 }
 
@@ -445,12 +479,15 @@ static iso_status write_outputs(player *p, iso_error *error) {
 static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set *files,
                                 const iso_journal_start *start, iso_error *error) {
     const char *const outputs[] = {settings->output, settings->mesh, settings->common.json_path,
-                                   settings->save_strokes};
+                                   settings->save_strokes, settings->video};
+    enum { COUNT = sizeof outputs / sizeof *outputs };
+    const iso_film_opts film = film_of(settings);
     for (int i = 0; i < settings->references.count; i++)
         iso_file_set_read(files, settings->references.values[i]);
-    for (int i = 0; i < 4; i++) iso_file_set_write(files, outputs[i]);
+    for (int i = 0; i < COUNT; i++) iso_file_set_write(files, outputs[i]);
     ISO_TRY(iso_file_set_check(files, error));
-    for (int i = 0; i < 4; i++) ISO_TRY(iso_sink_check(outputs[i], error));
+    for (int i = 0; i < COUNT; i++) ISO_TRY(iso_sink_check(outputs[i], error));
+    if (settings->video) ISO_TRY(iso_film_check(&film, error));
     return writes_label(settings)
                ? iso_source_label_check(strokes_of(settings), start, settings->output, error)
                : ISO_OK;
@@ -521,10 +558,10 @@ static void log_outputs(const player *p) {
     const char *input = input_name(p->settings);
     if (p->settings->common.quiet) return;
     if (p->settings->measure.on) isosculpt_tell_measured(&p->report->measured, log_note);
-    if (!p->written[0] && !p->written[1] && !p->written[2] && !p->settings->common.json &&
+    if (!p->written[0] && !p->written[1] && !p->written[2] && !p->written[3] && !p->settings->common.json &&
         !p->settings->measure.on)
         iso_program_log(program, "%s: note: nothing is written: --output or --mesh names a file", input);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < OUTPUTS; i++) {
         const char *path = p->written[i];
         if (path && path == p->report->mesh_path)
             iso_program_log(program, "%s: wrote %s: %zu triangles", input, path, p->report->mesh.triangles);
@@ -561,7 +598,8 @@ static iso_status play_and_write(player *p, iso_journal_reader *reader, iso_erro
     p->report->bytes = iso_hgrid_bytes(grid);
     if (p->settings->measure.on) ISO_TRY(measure(p, error));
     iso_status status = write_outputs(p, error);
-    for (int i = 0; status != ISO_OK && i < 3; i++) iso_file_remove(p->written[i]); /* all outputs or none */
+    for (int i = 0; status != ISO_OK && i < OUTPUTS; i++)
+        iso_file_remove(p->written[i]); /* all outputs or none */
     ISO_TRY(status);
     if (!p->settings->common.quiet && p->report->edits.clipped)
         iso_program_log(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
@@ -579,8 +617,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     isosculpt_viewport viewport = {0};
     player p = {
         .settings = settings, .report = &r, .pool = pool, .viewport = settings->draw ? &viewport : NULL};
-    r.resolution[0] = settings->resolution[0] ? settings->resolution[0] : 1280;
-    r.resolution[1] = settings->resolution[1] ? settings->resolution[1] : 800;
+    memcpy(r.resolution, settings->resolution, sizeof r.resolution);
     iso_hgrid *grid = NULL;
     iso_cell_items paint = {.cell = NULL};
     iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory, .paint = &paint};
