@@ -76,15 +76,16 @@ static int open_lock_file(const char *path, int flags) {
     return -1;
 }
 
-/* Makes and locks NAME.strokes.open. ISO_ERR_WRITE when another program holds the lock. */
-static iso_status lock_journal(const char *journal, int *lock_file, iso_error *error) {
+/* Makes and locks NAME.strokes.open. `ours`: this program has the journal open already. ISO_ERR_WRITE when
+ * another program holds the lock. */
+static iso_status lock_journal(const char *journal, bool ours, int *lock_file, iso_error *error) {
     char path[ISOSCULPT_PATH];
     ISO_TRY(join_path(path, journal, OPEN, error));
     int file = open_lock_file(path, O_CREAT);
     if (file < 0)
         return iso_fail(error, ISO_ERR_WRITE, "%s: %s", path,
                         errno == ELOOP ? "is a link to a file, and not written to" : strerror(errno));
-    if (flock(file, LOCK_EX | LOCK_NB) || iso_journal_is_locked(journal)) {
+    if (flock(file, LOCK_EX | LOCK_NB) || (!ours && iso_journal_is_locked(journal))) {
         close(file);
         return iso_fail(error, ISO_ERR_WRITE, "%s: another program has it open", journal);
     }
@@ -232,11 +233,11 @@ static iso_status name_journal(const char *folder, char path[ISOSCULPT_PATH], is
 
 /* Creates a session with a new journal. */
 static iso_status create_journaled_session(isosculpt_document *document, const char *folder,
-                                           first_field *field, double cost_factor, iso_error *error) {
+                                           first_field *field, iso_error *error) {
     if (!folder) return iso_fail(error, ISO_ERR_WRITE, "there is no folder for it");
     ISO_TRY(name_journal(folder, document->journal, error));
-    ISO_TRY(lock_journal(document->journal, &document->lock_file, error));
-    const iso_session_opts opts = {.journal = document->journal, .cost_factor = cost_factor};
+    ISO_TRY(lock_journal(document->journal, false, &document->lock_file, error));
+    const iso_session_opts opts = {.journal = document->journal};
     iso_status status = create_session(document, field, &opts, error);
     document->journal_is_new = status == ISO_OK;
     return status;
@@ -270,7 +271,7 @@ iso_status isosculpt_document_new(isosculpt_document *document, const char *fold
     ISO_TRY(make_start_field(document, source, &field, error));
     isosculpt_target_default(iso_start_has_solid(&document->start) ? NULL : document->start.source,
                              document->target);
-    if (create_journaled_session(document, folder, &field, 1, &reason) == ISO_OK) return ISO_OK;
+    if (create_journaled_session(document, folder, &field, &reason) == ISO_OK) return ISO_OK;
     unlock_journal(document);
     document->journal[0] = 0;
     snprintf(document->journal_error, sizeof document->journal_error, "%s", reason.text);
@@ -323,7 +324,7 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
     iso_journal_reader_free(reader);
     ISO_TRY(join_path(document->journal, journal, "", error));
     const bool was_unclosed = has_lock_file(journal);
-    ISO_TRY(lock_journal(journal, &document->lock_file, error));
+    ISO_TRY(lock_journal(journal, false, &document->lock_file, error));
     first_field field = {.grid = NULL};
     const iso_progress reading = iso_progress_part(progress, 0, 0.3),
                        playing = iso_progress_part(progress, 0.3, 1);
@@ -381,6 +382,20 @@ static iso_status make_resampled_field(isosculpt_document *document, const char 
     return iso_source_reopen(journal, &how, &document->start, &field->grid, error);
 }
 
+/* Plays the events of the reader in a session with a new journal. The journal counts as that of a session, which
+ * is recovered after a crash, only when it has all of them. */
+static iso_status play_again(isosculpt_document *document, const char *folder, iso_journal_reader *reader,
+                             uint64_t size, double cost_factor, first_field *field,
+                             const iso_progress *progress, iso_error *error) {
+    if (!folder) return iso_fail(error, ISO_ERR_WRITE, "there is no folder for the strokes");
+    ISO_TRY(name_journal(folder, document->journal, error));
+    const iso_session_opts opts = {.journal = document->journal, .cost_factor = cost_factor};
+    ISO_TRY(create_session(document, field, &opts, error));
+    document->journal_is_new = true;
+    ISO_TRY(play_into(document->session, reader, size, progress, error));
+    return lock_journal(document->journal, true, &document->lock_file, error);
+}
+
 iso_status isosculpt_document_resample(isosculpt_document *document, const char *journal, const char *folder,
                                        double voxel, const iso_progress *progress, iso_error *error) {
     const iso_progress making = iso_progress_part(progress, 0, 0.3),
@@ -392,12 +407,13 @@ iso_status isosculpt_document_resample(isosculpt_document *document, const char 
     stat(journal, &about);
     const double before = document->start.voxel_size;
     iso_status status = make_resampled_field(document, journal, voxel, &making, &field, error);
+    const double factor = fmax(1, pow(before / document->start.voxel_size, 3));
     if (status == ISO_OK)
-        status = create_journaled_session(document, folder, &field,
-                                          fmax(1, pow(before / document->start.voxel_size, 3)), error);
-    if (status == ISO_OK)
-        status = play_into(document->session, reader, (uint64_t)about.st_size, &playing, error);
+        status =
+            play_again(document, folder, reader, (uint64_t)about.st_size, factor, &field, &playing, error);
     if (status == ISO_OK) choose_target(document, journal);
+    if (field.grid) iso_hgrid_destroy(field.grid);
+    iso_cell_items_free(&field.paint);
     iso_journal_reader_free(reader);
     return status;
 }
