@@ -31,6 +31,7 @@ typedef enum iso_tool {
     ISO_TOOL_CLEAR_MASK,  /* at a stroke's first sample: unfreezes all voxels, wherever the sample is */
     ISO_TOOL_INVERT_MASK, /* the same: freezes what is not frozen, and unfreezes the rest */
     ISO_TOOL_BLUR_MASK,   /* the same: smooths the border of the mask, over the radius, at most 16 voxels */
+    ISO_TOOL_MASK_VOXELS, /* the same: freezes the voxels that iso_sculpt_freeze has named */
     ISO_TOOL_PAINT,       /* lays the brush's colour over the surface; without a colour: takes paint away */
     /* The last three act when the stroke ends, by what its samples outline for a viewer whom their normals
      * point to: parallel normals extend the outline as a prism, normals towards one point as a pyramid. */
@@ -199,6 +200,13 @@ ISO_API iso_status iso_sculpt_move(iso_sculpt *sculpt, unsigned first, unsigned 
  * field or heights. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh encloses nothing), ISO_ERR_USAGE (a
  * stroke is in progress). */
 ISO_API iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error);
+/* Freezes the voxels in the solid that a volume has at an isovalue, as a stroke of its own (MASK_VOXELS),
+ * beside those that are frozen already. The journal gets a copy of where they are, so that a replay, also in
+ * other voxels, needs no volume; it is the stamp from then on. The volume is borrowed for the call.
+ * ISO_ERR_EMPTY: no voxel is; ISO_ERR_USAGE: the isovalue is not finite, or a stroke is in progress;
+ * ISO_ERR_NOMEM. */
+ISO_API iso_status iso_sculpt_freeze(iso_sculpt *sculpt, iso_volume *volume, double isovalue,
+                                     iso_error *error);
 /* Returns ISO_OK, or why the journal is incomplete (such as a full disk). Writing is tried again. */
 ISO_API iso_status iso_sculpt_journal_status(iso_sculpt *sculpt, iso_error *error);
 

@@ -382,8 +382,8 @@ static iso_status make_resampled_field(isosculpt_document *document, const char 
     return iso_source_reopen(journal, &how, &document->start, &field->grid, error);
 }
 
-/* Plays the events of the reader in a session with a new journal. The journal counts as that of a session, which
- * is recovered after a crash, only when it has all of them. */
+/* Plays the events of the reader in a session with a new journal. The journal counts as that of a session,
+ * which is recovered after a crash, only when it has all of them. */
 static iso_status play_again(isosculpt_document *document, const char *folder, iso_journal_reader *reader,
                              uint64_t size, double cost_factor, first_field *field,
                              const iso_progress *progress, iso_error *error) {

@@ -3,6 +3,7 @@
 #define ISO_APPS_ISOSCULPT_ISOSCULPT_H
 
 #include "apps/common/settings.h"
+#include "apps/isosculpt/freezing.h"
 #include "apps/isosculpt/measuring.h"
 #include "apps/isosculpt/stroke_edits.h"
 #include "extract/mesh/mesh.h"
@@ -28,9 +29,10 @@ typedef enum isosculpt_x_ray {
 
 /* Strings are borrowed from argv. */
 typedef struct isosculpt_settings {
-    iso_common_settings common; /* first; `input` says how the opened file is read */
-    const char *strokes;        /* the operand: a stroke file to continue in a window */
-    iso_start_solid solid;      /* that a new session begins with; size.x = 0: not given */
+    iso_common_settings common;  /* first; `input` says how the opened file is read */
+    const char *strokes;         /* the operand: a stroke file to continue in a window */
+    iso_start_solid solid;       /* that a new session begins with; size.x = 0: not given */
+    isosculpt_freezing freezing; /* of the opened volume */
     isosculpt_measure_request measure;
     const char *video; /* of the strokes as they are drawn; NULL: none */
     double seconds, turntable,

@@ -4,6 +4,7 @@
 #define ISO_APPS_ISOSCULPT_LOAD_JOB_H
 
 #include "apps/isosculpt/document.h"
+#include "apps/isosculpt/freezing.h"
 #include "apps/isosculpt/viewport/viewport.h"
 
 /* What to open. The job copies everything except the borrowed pointers. */
@@ -16,6 +17,7 @@ typedef struct isosculpt_load_request {
                                        path is read */
     const char *folder;              /* of new journals; NULL: none is written */
     double isovalue, voxel, close_holes; /* as in iso_source */
+    isosculpt_freezing freezing;         /* of the volume, once it is a field */
     iso_input input;    /* how the path is read, unless it is strokes; its strings are borrowed */
     int threads;        /* 0: one for each processor */
     size_t undo_memory; /* bytes */

@@ -28,6 +28,10 @@ static iso_status apply_measure(void *target, const char *value, iso_error *erro
     return isosculpt_measure_parse(value, &((isosculpt_settings *)target)->measure, error);
 }
 
+static iso_status apply_freeze(void *target, const char *value, iso_error *error) {
+    return isosculpt_freezing_parse(value, &((isosculpt_settings *)target)->freezing, error);
+}
+
 static iso_status apply_new(void *target, const char *value, iso_error *error) {
     isosculpt_settings *settings = target;
     ISO_TRY(isosculpt_solid_parse(value, &settings->solid, error));
@@ -103,6 +107,10 @@ static const iso_option options[] = {
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(common.input.label)},
     {"label-table", NULL, "FILE", "names of labels (FreeSurfer, 3D Slicer or ITK-SNAP), for --label",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(common.input.label_table)},
+    {"freeze", NULL, "V",
+     "freeze what the opened volume has at or above this isovalue, before the first stroke; labels: all "
+     "others than --label",
+     .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_freeze},
 #define SOLID SESSION
 #include "apps/common/solid_options.inc"
 #undef SOLID
@@ -257,6 +265,10 @@ static iso_status check_opened(const isosculpt_settings *settings, iso_error *er
     if (settings->common.input.label && !isnan(settings->isovalue))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--label and --isovalue cannot be combined: a label is a solid");
+    if (settings->freezing.on && !settings->open)
+        return iso_fail(error, ISO_ERR_USAGE, "--freeze needs a volume to open");
+    if (settings->freezing.labels && !settings->common.input.label)
+        return iso_fail(error, ISO_ERR_USAGE, "--freeze labels needs --label");
     if (!option && iso_input_drops_parts(&settings->common.input))
         option = settings->common.input.largest ? "--largest" : "--min-size";
     if (!settings->open && option) return iso_fail(error, ISO_ERR_USAGE, "%s needs a file to open", option);

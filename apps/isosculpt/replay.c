@@ -586,6 +586,10 @@ static iso_status measure(player *p, iso_error *error) {
 
 static iso_status play_and_write(player *p, iso_journal_reader *reader, iso_error *error) {
     ISO_TRY(prepare(p, error));
+    if (p->settings->freezing.on)
+        ISO_TRY(isosculpt_freeze(p->session, p->settings->open, &p->settings->common.input,
+                                 iso_source_label(&p->report->start), &p->settings->freezing, p->pool,
+                                 error));
     double start = iso_clock_seconds();
     if (reader) ISO_TRY(play_all(p, reader, error));
     for (int i = 0; i < p->settings->edits.count; i++)

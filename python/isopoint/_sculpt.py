@@ -14,7 +14,7 @@ from ._volume import Volume
 
 _TOOLS = {name.replace("_", "-").lower(): getattr(lib, "ISO_TOOL_" + name) for name in
           ("ADD", "CARVE", "BLEND_ADD", "BLEND_CARVE", "SMOOTH", "INFLATE", "DEFLATE", "FLATTEN", "SCRAPE", "FILL",
-           "CLAY", "PINCH", "CREASE", "SNAKE_HOOK", "MOVE", "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK", "BLUR_MASK",
+           "CLAY", "PINCH", "CREASE", "SNAKE_HOOK", "MOVE", "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK", "BLUR_MASK", "MASK_VOXELS",
            "PAINT",
            "TRIM_PLANE", "TRIM_LASSO", "CROP_LASSO")}
 _SOLIDS = {name.lower(): getattr(lib, "ISO_SOLID_" + name) for name in
@@ -197,6 +197,12 @@ class Sculpt:
         """Moves strokes: they are drawn before the stroke `before`, or (0) last."""
         with self.volume._lock:
             call(lib.iso_sculpt_move, self._handle, first, last or first, before)
+
+    def freeze(self, volume: Volume, isovalue: float) -> None:
+        """Freezes the voxels in the solid that a volume has at an isovalue, as a stroke of its own, which can be undone; a
+        stroke file keeps where they are."""
+        with self.volume._lock, volume._lock:
+            call(lib.iso_sculpt_freeze, self._handle, volume._handle, float(isovalue))
 
     def undo(self) -> None:
         """Undoes the last stroke or edit, exactly."""

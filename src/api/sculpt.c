@@ -299,6 +299,10 @@ iso_status iso_sculpt_move(iso_sculpt *sculpt, unsigned first, unsigned last, un
                 error);
 }
 
+iso_status iso_sculpt_freeze(iso_sculpt *sculpt, iso_volume *volume, double isovalue, iso_error *error) {
+    return iso_source_freeze(sculpt->session, &volume->grid, isovalue, sculpt->volume.pool, error);
+}
+
 iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error) {
     iso_stamp *stamp;
     if (!path) return iso_fail(error, ISO_ERR_USAGE, "no file is named");

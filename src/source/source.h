@@ -15,6 +15,7 @@
 #include "grids/volume/volume.h"
 #include "sculpt/field/cell_items.h"
 #include "sculpt/session/journal.h"
+#include "sculpt/session/session.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -97,6 +98,16 @@ unsigned iso_source_kind(const char *path);
  * isovalue and volume of the source do not count. Errors: those of iso_mesh_read, iso_closed_mesh_create,
  * iso_stamp_from_mesh and iso_grey_picture_read. */
 iso_status iso_source_read_stamp(const iso_source *source, iso_stamp **stamp, iso_error *error);
+
+/* Freezes the voxels of a session's field in the solid that a volume has at an isovalue (physical), as a
+ * stroke with ISO_TOOL_MASK_VOXELS, which needs no volume to be replayed. Beyond the volume nothing is
+ * frozen. `pool` may be NULL. ISO_ERR_EMPTY: nothing is; ISO_ERR_USAGE: a stroke is being drawn;
+ * ISO_ERR_NOMEM. */
+iso_status iso_source_freeze(iso_session *session, const iso_grid *volume, double isovalue, iso_pool *pool,
+                             iso_error *error);
+/* The same of all labels of a segmentation but `own` and the background. */
+iso_status iso_source_freeze_labels(iso_session *session, const iso_grid *volume, int own, iso_pool *pool,
+                                    iso_error *error);
 
 #ifdef __cplusplus
 }

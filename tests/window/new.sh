@@ -97,4 +97,36 @@ key ctrl+n
 until_ "a dialog" is_modal
 key Return
 until_ "a question" asks
+stop
+
+# ---- what a viewed volume's second isovalue encloses is frozen when the volume is sculpted, as the first stroke
+anew
+python3 - <<'PYTHON'
+import struct
+at = [i - 23.5 for i in range(48)]
+data = b"".join(struct.pack("<f", 100 - (x * x + y * y + z * z) ** 0.5) for z in at for y in at for x in at)
+with open("head.nrrd", "wb") as file:
+    file.write(b"NRRD0004\ntype: float\ndimension: 3\nspace: left-posterior-superior\nsizes: 48 48 48\nendian: little\n"
+               b"encoding: raw\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (-23.5,-23.5,-23.5)\n\n" + data)
+PYTHON
+window_program head.nrrd --isovalue 80
+until_ "the volume" title_is 'head.nrrd'
+two() { press 23 261; whole_window two; look color two.png 240 143 219 12,38,292,150 60 >/dev/null; }
+until_ "a second isovalue" two
+press 229 261 # "freeze"
+press 50 345  # "Sculpt this"
+until_ "a field" journal_is_there
+until_ "frozen voxels" has_events end 1
+[ "$(tools)" = "mask-voxels " ] && grep -q '"frozen":"' "$journal" || fail "tools: $(tools)"
+key 2
+stroke 640 400 4 0
+cp "$journal" frozen.strokes
+"$bin/isosculpt" --replay frozen.strokes --headless --quiet --measure --json=frozen.json || fail "the strokes do not replay"
+"$bin/isosculpt" --replay frozen.strokes --headless --quiet --mute 1 --measure --json=free.json || fail "they cannot be edited"
+python3 - <<'PYTHON' || fail "the second isovalue's inside was carved"
+import json
+frozen, free = (json.load(open(name + ".json"))["measured"]["volume"] for name in ("frozen", "free"))
+assert frozen > free + 20, (frozen, free)
+PYTHON
+picture bone
 echo "passed"

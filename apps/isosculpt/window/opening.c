@@ -65,10 +65,14 @@ static iso_status show_solid(window *w, iso_error *error) {
 
 /* Starts the load job that converts the viewed volume into a field at the chosen isovalue. */
 static iso_status start_converting(window *w, iso_error *error) {
+    const isosculpt_see_through *how = &w->viewport.see_through;
+    const isosculpt_freezing second = {.on = true, .isovalue = how->second_isovalue};
+    const bool freezes = how->has_second && w->screen.freeze_second;
     const isosculpt_load_request request = {.path = w->volume->path,
                                             .volume = w->volume,
                                             .folder = w->has_folder ? w->folder : NULL,
                                             .isovalue = w->viewport.isovalue,
+                                            .freezing = freezes ? second : w->freezing,
                                             .voxel = w->settings->voxel_size,
                                             .threads = w->settings->common.threads,
                                             .undo_memory = (size_t)w->settings->undo_memory,
@@ -96,17 +100,20 @@ static iso_status start_opening(window *w, const char *path, bool stamp, iso_err
                                         : path == settings->open ? settings
                                                                  : NULL;
     make_absolute(w->scene.strings ? w->scene.settings.open : path, absolute);
-    const isosculpt_load_request request = {.path = absolute,
-                                            .stamp = stamp,
-                                            .folder = w->has_folder ? w->folder : NULL,
-                                            .isovalue = reading ? reading->isovalue : NAN,
-                                            .voxel = reading ? reading->voxel_size : 0,
-                                            .close_holes = settings->close_holes,
-                                            .input = reading ? reading->common.input : (iso_input){0},
-                                            .threads = settings->common.threads,
-                                            .undo_memory = (size_t)settings->undo_memory,
-                                            .wake = isosculpt_window_wake};
+    const isosculpt_load_request request = {
+        .path = absolute,
+        .stamp = stamp,
+        .folder = w->has_folder ? w->folder : NULL,
+        .isovalue = reading ? reading->isovalue : NAN,
+        .voxel = reading ? reading->voxel_size : 0,
+        .close_holes = settings->close_holes,
+        .freezing = reading && !w->scene.strings ? settings->freezing : (isosculpt_freezing){.on = false},
+        .input = reading ? reading->common.input : (iso_input){0},
+        .threads = settings->common.threads,
+        .undo_memory = (size_t)settings->undo_memory,
+        .wake = isosculpt_window_wake};
     w->agreed_changes = w->document.change_count;
+    w->freezing = request.freezing;
     return isosculpt_load_job_start(&request, &w->load_job, error);
 }
 
@@ -334,8 +341,7 @@ static void open_next(window *w) {
         isosculpt_window_set_status(w, true, reason.text);
 }
 
-/* Opens a file, or begins with a solid, in place of the current document; asks first about unsaved changes.
- * */
+/* Opens a file, or begins with a solid, in place of the document; asks first about unsaved changes. */
 static void replace_document(window *w, const char *path, const isosculpt_new *next) {
     if (isosculpt_window_is_opening(w)) return;
     snprintf(w->next_path, sizeof w->next_path, "%s", path);

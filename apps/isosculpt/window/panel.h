@@ -81,6 +81,7 @@ typedef struct isosculpt_screen {
                                        session */
     bool reference_pending;          /* the reference is being made */
     bool sculpting;                  /* the volume is being converted into a field */
+    bool freeze_second;              /* what the second surface encloses is frozen in the sculpture */
     double isovalue;                 /* of the volume, physical, as chosen in the panel */
     bool isovalue_dragged;           /* the user is dragging the isovalue or the second one in this frame */
     bool second_line_dragged;        /* the line of the histogram that was dragged last is the second one */

@@ -55,6 +55,7 @@ typedef struct window {
     isosculpt_reference_job *reference_job; /* the reference is being made; or NULL */
     bool resampling;                        /* load_job plays the strokes in other voxels */
     bool sculpting;                         /* load_job converts the viewed volume into a field */
+    isosculpt_freezing freezing;            /* of what was opened, by --freeze */
     bool sculpting_to_save;                 /* it does so because a save was requested */
     bool stamp_loaded;                      /* the mesh of --stamp was opened, or tried */
 

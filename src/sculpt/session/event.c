@@ -91,8 +91,16 @@ static json_t *brush_json(const iso_brush *brush) {
 static int add_stamp_members(json_t *object, const iso_stamp *stamp) {
     const iso_heights *h = &stamp->heights;
     char *text = iso_stamp_text(stamp);
+    const iso_voxel_set *voxels = &stamp->voxels;
+    const char *key = voxels->word ? "frozen" : h->value ? "heights" : "levels";
     int failed = !text || json_object_set_new(object, "name", json_string_nocheck(stamp->name)) ||
-                 json_object_set_new(object, h->value ? "heights" : "levels", json_string_nocheck(text));
+                 json_object_set_new(object, key, json_string_nocheck(text));
+    if (!failed && voxels->word)
+        failed |=
+            json_object_set_new(object, "dims",
+                                json_pack("[iii]", voxels->dims[0], voxels->dims[1], voxels->dims[2])) ||
+            json_object_set_new(object, "spacing", json_real(voxels->spacing)) ||
+            json_object_set_new(object, "origin", vector_json(voxels->origin));
     if (!failed && h->value)
         failed |= json_object_set_new(object, "size", json_pack("[ii]", h->width, h->height)) ||
                   json_object_set_new(object, "checksum", json_integer(iso_crc32c(0, text, strlen(text))));
@@ -383,11 +391,28 @@ static iso_status read_picture(const json_t *object, const char *name, const cha
     return iso_stamp_parse_picture(name, (int)width, (int)height, text, &event->stamp, error);
 }
 
+/* Reads voxels to freeze, whose grid has the bounds of a session's. */
+static iso_status read_voxels(const json_t *object, const char *name, const char *text, iso_event *event,
+                              iso_error *error) {
+    iso_voxel_set frame = {.word = NULL};
+    ISO_TRY(get_dims(object, frame.dims, error));
+    ISO_TRY(get_number(object, "spacing", &frame.spacing, error));
+    ISO_TRY(iso_limit_check(ISO_LIMIT_VOXEL_SIZE, frame.spacing, 1, error));
+    ISO_TRY(get_vector(object, "origin", &frame.origin, error));
+    const double origin[] = {frame.origin.x, frame.origin.y, frame.origin.z};
+    for (int axis = 0; axis < 3; axis++)
+        ISO_TRY(iso_limit_check(ISO_LIMIT_ORIGIN, origin[axis], frame.spacing, error));
+    const iso_status status = iso_stamp_parse_voxels(name, &frame, text, &event->stamp, error);
+    return status == ISO_ERR_LIMIT ? ISO_ERR_FORMAT : status;
+}
+
 static iso_status read_stamp(const json_t *object, iso_event *event, iso_error *error) {
     const char *name = json_string_value(json_object_get(object, "name")),
                *text = json_string_value(json_object_get(object, "levels")),
-               *heights = json_string_value(json_object_get(object, "heights"));
+               *heights = json_string_value(json_object_get(object, "heights")),
+               *frozen = json_string_value(json_object_get(object, "frozen"));
     if (!name) return bad_member("name", "a text", error);
+    if (frozen) return read_voxels(object, name, frozen, event, error);
     if (heights) return read_picture(object, name, heights, event, error);
     if (!text) return bad_member("levels", "a text", error);
     return iso_stamp_parse(name, text, &event->stamp, error);

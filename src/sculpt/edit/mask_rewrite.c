@@ -1,6 +1,7 @@
 /* Smooths masks: a tent filter of three passes around each cell near the mask's border, and a threshold. */
-#include "sculpt/edit/mask_blur.h"
+#include "sculpt/edit/mask_rewrite.h"
 
+#include <math.h>
 #include <string.h>
 
 /* The window of a cell: its voxels and `reach` more on each side. */
@@ -97,18 +98,23 @@ static bool differs(const iso_voxel_bits *before, const iso_voxel_bits *after) {
     return memcmp(before ? before : &none, after, sizeof none) != 0;
 }
 
+static iso_status add_cell(iso_buffer *changed, size_t *count, const iso_mask_cell *cell, iso_error *error) {
+    const size_t bytes = *count * sizeof *cell;
+    ISO_TRY(iso_buffer_reserve(changed, bytes + sizeof *cell, bytes, error));
+    ((iso_mask_cell *)changed->data)[(*count)++] = *cell;
+    return ISO_OK;
+}
+
 static iso_status blur_all(blur *b, iso_buffer *changed, size_t *count, size_t *looked_at, iso_error *error) {
     int at[3];
     for (size_t cell = 0; cell < b->mask->cells; cell++) {
-        iso_blurred_cell made = {.cell = (uint32_t)cell};
+        iso_mask_cell made = {.cell = (uint32_t)cell};
         iso_hgrid_cell_position(b->grid, cell, at);
         if (is_uniform(b, at)) continue;
         ++*looked_at;
         blur_cell(b, at, &made.bits);
         if (!differs(iso_mask_bits(b->mask, cell), &made.bits)) continue;
-        const size_t bytes = *count * sizeof made;
-        ISO_TRY(iso_buffer_reserve(changed, bytes + sizeof made, bytes, error));
-        ((iso_blurred_cell *)changed->data)[(*count)++] = made;
+        ISO_TRY(add_cell(changed, count, &made, error));
     }
     return ISO_OK;
 }
@@ -124,4 +130,51 @@ iso_status iso_mask_blur(const iso_mask *mask, const iso_hgrid *grid, int reach,
     const iso_status status = blur_all(b, changed, count, looked_at, error);
     iso_free(b);
     return status;
+}
+
+/* ---- voxels of a set */
+
+/* The index in the set of voxel 0 of the grid, and what it grows by for each further one: both have the same
+ * axes. */
+static void place_set(const iso_hgrid *grid, const iso_voxel_set *set, double first[3], double *step) {
+    const iso_affine affine = iso_transform_affine(&grid->transform);
+    const double voxel = grid->transform.spacing[0];
+    const iso_vec3 from = {affine.origin[0] - set->origin.x, affine.origin[1] - set->origin.y,
+                           affine.origin[2] - set->origin.z};
+    for (int axis = 0; axis < 3; axis++) {
+        const iso_vec3 along = {affine.m[axis] / voxel, affine.m[3 + axis] / voxel,
+                                affine.m[6 + axis] / voxel};
+        first[axis] = iso_vec3_dot(along, from) / set->spacing;
+    }
+    *step = voxel / set->spacing;
+}
+
+static void add_voxels(const iso_hgrid *grid, const iso_voxel_set *set, const int at[3],
+                       iso_voxel_bits *bits) {
+    double first[3], step;
+    int index[3][ISO_BRICK];
+    place_set(grid, set, first, &step);
+    for (int axis = 0; axis < 3; axis++)
+        for (int i = 0; i < ISO_BRICK; i++)
+            index[axis][i] = (int)fmax(
+                -1, fmin(floor(first[axis] + (ISO_BRICK * at[axis] + i) * step + 0.5), set->dims[axis]));
+    for (int row = 0; row < ISO_BRICK_ROWS; row++)
+        for (int x = 0; x < ISO_BRICK; x++)
+            if (iso_voxel_set_has(set, index[0][x], index[1][row % ISO_BRICK], index[2][row / ISO_BRICK]))
+                bits->row[row] = (uint16_t)(bits->row[row] | 1u << x);
+}
+
+iso_status iso_mask_add_voxels(const iso_mask *mask, const iso_hgrid *grid, const iso_voxel_set *set,
+                               iso_buffer *changed, size_t *count, size_t *looked_at, iso_error *error) {
+    int at[3];
+    for (size_t cell = 0; cell < mask->cells; cell++) {
+        const iso_voxel_bits *before = iso_mask_bits(mask, cell);
+        iso_mask_cell made = {.cell = (uint32_t)cell};
+        if (before) made.bits = *before;
+        iso_hgrid_cell_position(grid, cell, at);
+        add_voxels(grid, set, at, &made.bits);
+        if (differs(before, &made.bits)) ISO_TRY(add_cell(changed, count, &made, error));
+    }
+    *looked_at += mask->cells;
+    return ISO_OK;
 }
