@@ -1,6 +1,4 @@
 /* The panel's section that measures: places that are picked, volume, area and size. */
-#include <cstdio>
-
 #include "apps/isosculpt/window/panel_parts.hpp"
 
 static const char STALE[] = "Measured before the last change.";

@@ -1,6 +1,5 @@
 /* The dialog for a new session: the solid that it begins with, its size, and that of the voxels. */
-#include <cfloat>
-#include <cstdio>
+#include <cmath>
 
 #include "apps/isosculpt/window/panel_parts.hpp"
 #include "sculpt/brush/brush.h"
