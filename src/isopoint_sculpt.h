@@ -30,6 +30,8 @@ typedef enum iso_tool {
     ISO_TOOL_UNMASK,
     ISO_TOOL_CLEAR_MASK,  /* at a stroke's first sample: unfreezes all voxels, wherever the sample is */
     ISO_TOOL_INVERT_MASK, /* the same: freezes what is not frozen, and unfreezes the rest */
+    ISO_TOOL_BLUR_MASK,   /* the same: smooths the border of the mask, over the radius, at most 16 voxels */
+    ISO_TOOL_MASK_VOXELS, /* the same: freezes the voxels that iso_sculpt_freeze has named */
     ISO_TOOL_PAINT,       /* lays the brush's colour over the surface; without a colour: takes paint away */
     /* The last three act when the stroke ends, by what its samples outline for a viewer whom their normals
      * point to: parallel normals extend the outline as a prism, normals towards one point as a pyramid. */
@@ -112,12 +114,18 @@ typedef struct iso_sculpt_opts {
     double voxel_size;   /* mm; 0 means 1 for a ball, and the smallest spacing for a volume */
     int dims[3];         /* voxels of the grid of a new ball, each at most 2048; 0 means 256 */
     double radius;       /* radius of a new ball, mm; 0: a quarter of the grid's smallest side */
+    iso_solid solid;     /* of a new session: SPHERE to TORUS, whose axis is z, instead of this ball, if .. */
+    iso_vec3 size;       /* .. the size of its bounding box is given, mm: of all but a box x and z count; a
+                            torus is a ring of x, whose tube has the diameter z. The grid suits it: dims and
+                            radius are 0, and the voxel size is by default 1/160 of its longest side */
+    double round;        /* of a box or cylinder: the radius of its edges, mm */
     const char *journal; /* path of the journal (stroke file) to create; NULL: no journal */
     size_t undo_memory;  /* bytes; 0 means 1 GiB; further undo steps are kept in a file beside the journal */
     int threads;         /* 0: one for each processor */
 } iso_sculpt_opts;
 
-/* Creates a ball at the world's origin, in the middle of its grid. ISO_ERR_USAGE, ISO_ERR_LIMIT: the size;
+/* Creates a ball (or the solid of opts->size) at the world's origin, in the middle of its grid, as exact
+ * distances. ISO_ERR_USAGE, ISO_ERR_LIMIT: the size;
  * ISO_ERR_WRITE: the journal already exists or cannot be created. */
 ISO_API iso_status iso_sculpt_create(const iso_sculpt_opts *opts, iso_sculpt **sculpt, iso_error *error);
 /* Converts the solid that a volume has at an isovalue to a level set with cubic voxels along the volume's
@@ -192,6 +200,13 @@ ISO_API iso_status iso_sculpt_move(iso_sculpt *sculpt, unsigned first, unsigned 
  * field or heights. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_EMPTY (the mesh encloses nothing), ISO_ERR_USAGE (a
  * stroke is in progress). */
 ISO_API iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error);
+/* Freezes the voxels in the solid that a volume has at an isovalue, as a stroke of its own (MASK_VOXELS),
+ * beside those that are frozen already. The journal gets a copy of where they are, so that a replay, also in
+ * other voxels, needs no volume; it is the stamp from then on. The volume is borrowed for the call.
+ * ISO_ERR_EMPTY: no voxel is; ISO_ERR_USAGE: the isovalue is not finite, or a stroke is in progress;
+ * ISO_ERR_NOMEM. */
+ISO_API iso_status iso_sculpt_freeze(iso_sculpt *sculpt, iso_volume *volume, double isovalue,
+                                     iso_error *error);
 /* Returns ISO_OK, or why the journal is incomplete (such as a full disk). Writing is tried again. */
 ISO_API iso_status iso_sculpt_journal_status(iso_sculpt *sculpt, iso_error *error);
 

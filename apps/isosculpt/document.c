@@ -4,6 +4,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,9 +20,8 @@
 
 static const char STROKES[] = ".strokes", OPEN[] = ".open";
 
-/* Grid and radius of a new ball: voxels along a side of the grid; voxel size and radius in mm. */
-enum { BALL_VOXELS = 384 };
-static const double BALL_VOXEL = 0.5, BALL_RADIUS = 40;
+/* What a session begins with if nothing is asked for. */
+static const iso_start_solid BALL = {ISO_SOLID_SPHERE, {80, 80, 80}, 0};
 
 static iso_status join_path(char out[ISOSCULPT_PATH], const char *a, const char *b, iso_error *error) {
     size_t first = strlen(a), second = strlen(b);
@@ -76,15 +76,16 @@ static int open_lock_file(const char *path, int flags) {
     return -1;
 }
 
-/* Makes and locks NAME.strokes.open. ISO_ERR_WRITE when another program holds the lock. */
-static iso_status lock_journal(const char *journal, int *lock_file, iso_error *error) {
+/* Makes and locks NAME.strokes.open. `ours`: this program has the journal open already. ISO_ERR_WRITE when
+ * another program holds the lock. */
+static iso_status lock_journal(const char *journal, bool ours, int *lock_file, iso_error *error) {
     char path[ISOSCULPT_PATH];
     ISO_TRY(join_path(path, journal, OPEN, error));
     int file = open_lock_file(path, O_CREAT);
     if (file < 0)
         return iso_fail(error, ISO_ERR_WRITE, "%s: %s", path,
                         errno == ELOOP ? "is a link to a file, and not written to" : strerror(errno));
-    if (flock(file, LOCK_EX | LOCK_NB) || iso_journal_is_locked(journal)) {
+    if (flock(file, LOCK_EX | LOCK_NB) || (!ours && iso_journal_is_locked(journal))) {
         close(file);
         return iso_fail(error, ISO_ERR_WRITE, "%s: another program has it open", journal);
     }
@@ -235,7 +236,7 @@ static iso_status create_journaled_session(isosculpt_document *document, const c
                                            first_field *field, iso_error *error) {
     if (!folder) return iso_fail(error, ISO_ERR_WRITE, "there is no folder for it");
     ISO_TRY(name_journal(folder, document->journal, error));
-    ISO_TRY(lock_journal(document->journal, &document->lock_file, error));
+    ISO_TRY(lock_journal(document->journal, false, &document->lock_file, error));
     const iso_session_opts opts = {.journal = document->journal};
     iso_status status = create_session(document, field, &opts, error);
     document->journal_is_new = status == ISO_OK;
@@ -259,13 +260,8 @@ static iso_status make_start_field(isosculpt_document *document, const iso_sourc
         with_paint.paint = &field->paint;
         return iso_source_open(&with_paint, &document->start, &field->grid, error);
     }
-    const double origin = -0.5 * (BALL_VOXELS - 1) * BALL_VOXEL;
-    document->start = (iso_journal_start){.source = "ball",
-                                          .voxel_size = BALL_VOXEL,
-                                          .dims = {BALL_VOXELS, BALL_VOXELS, BALL_VOXELS},
-                                          .origin = {origin, origin, origin},
-                                          .radius = BALL_RADIUS};
-    return iso_session_ball(&document->start, &field->grid, error);
+    ISO_TRY(iso_start_with_solid(&BALL, 0, &document->start, error));
+    return iso_session_solid(&document->start, &field->grid, error);
 }
 
 iso_status isosculpt_document_new(isosculpt_document *document, const char *folder, const iso_source *source,
@@ -273,7 +269,7 @@ iso_status isosculpt_document_new(isosculpt_document *document, const char *fold
     first_field field;
     iso_error reason = {0};
     ISO_TRY(make_start_field(document, source, &field, error));
-    isosculpt_target_default(strcmp(document->start.source, "ball") == 0 ? NULL : document->start.source,
+    isosculpt_target_default(iso_start_has_solid(&document->start) ? NULL : document->start.source,
                              document->target);
     if (create_journaled_session(document, folder, &field, &reason) == ISO_OK) return ISO_OK;
     unlock_journal(document);
@@ -297,7 +293,6 @@ iso_status isosculpt_document_init_empty(isosculpt_document *document, iso_error
 static iso_status make_first_field(iso_journal_start *start, const char *journal, iso_pool *pool,
                                    const iso_progress *progress, iso_hgrid **grid, iso_cell_items *paint,
                                    iso_error *error) {
-    if (strcmp(start->source, "ball") == 0) return iso_session_ball(start, grid, error);
     const iso_source how = {.pool = pool, .progress = progress, .paint = paint};
     return iso_source_reopen(journal, &how, start, grid, error);
 }
@@ -316,7 +311,7 @@ static void choose_target(isosculpt_document *document, const char *journal) {
     const size_t length = slash ? (size_t)(slash - journal) : 0;
     if (isosculpt_document_state_folder(folder, NULL) != ISO_OK) folder[0] = 0;
     if (strlen(folder) == length && strncmp(folder, journal, length) == 0)
-        isosculpt_target_default(strcmp(document->start.source, "ball") == 0 ? NULL : document->start.source,
+        isosculpt_target_default(iso_start_has_solid(&document->start) ? NULL : document->start.source,
                                  document->target);
     else
         isosculpt_target_beside(journal, document->target);
@@ -329,7 +324,7 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
     iso_journal_reader_free(reader);
     ISO_TRY(join_path(document->journal, journal, "", error));
     const bool was_unclosed = has_lock_file(journal);
-    ISO_TRY(lock_journal(journal, &document->lock_file, error));
+    ISO_TRY(lock_journal(journal, false, &document->lock_file, error));
     first_field field = {.grid = NULL};
     const iso_progress reading = iso_progress_part(progress, 0, 0.3),
                        playing = iso_progress_part(progress, 0.3, 1);
@@ -352,6 +347,74 @@ iso_status isosculpt_document_open(isosculpt_document *document, const char *jou
     if (document->lock_file) close(document->lock_file - 1);
     document->lock_file = 0;
     document->journal[0] = 0;
+    return status;
+}
+
+/* ---- another voxel size */
+
+/* Plays all events of a stroke file in a session that records them. */
+static iso_status play_into(iso_session *session, iso_journal_reader *reader, uint64_t size,
+                            const iso_progress *progress, iso_error *error) {
+    iso_event event;
+    bool more = true, drawing = false;
+    for (;;) {
+        ISO_TRY(iso_journal_next(reader, &event, &more, error));
+        if (!more) break;
+        const double done = (double)iso_journal_sound_bytes(reader) / fmax((double)size, 1);
+        ISO_TRY(iso_progress_tell(progress, "the strokes", done, error));
+        ISO_TRY(iso_journal_add_location(reader, iso_session_play(session, &event, NULL, error), error));
+        if (event.kind <= ISO_EVENT_CANCEL) drawing = event.kind <= ISO_EVENT_SAMPLE;
+    }
+    return drawing ? iso_session_end_cut_off(session, error) : ISO_OK;
+}
+
+/* Makes the field that a session began with, in other voxels. A file that was found beside the strokes is
+ * named by its path from now on. */
+static iso_status make_resampled_field(isosculpt_document *document, const char *journal, double voxel,
+                                       const iso_progress *progress, first_field *field, iso_error *error) {
+    const iso_source how = {
+        .pool = document->pool, .progress = progress, .paint = &field->paint, .voxel = voxel};
+    char found[ISO_SOURCE_PATH];
+    if (!iso_start_has_solid(&document->start)) {
+        ISO_TRY(iso_source_find(journal, &document->start, progress, found, error));
+        if (strlen(found) < sizeof document->start.source) strcpy(document->start.source, found);
+    }
+    return iso_source_reopen(journal, &how, &document->start, &field->grid, error);
+}
+
+/* Plays the events of the reader in a session with a new journal. The journal counts as that of a session,
+ * which is recovered after a crash, only when it has all of them. */
+static iso_status play_again(isosculpt_document *document, const char *folder, iso_journal_reader *reader,
+                             uint64_t size, double cost_factor, first_field *field,
+                             const iso_progress *progress, iso_error *error) {
+    if (!folder) return iso_fail(error, ISO_ERR_WRITE, "there is no folder for the strokes");
+    ISO_TRY(name_journal(folder, document->journal, error));
+    const iso_session_opts opts = {.journal = document->journal, .cost_factor = cost_factor};
+    ISO_TRY(create_session(document, field, &opts, error));
+    document->journal_is_new = true;
+    ISO_TRY(play_into(document->session, reader, size, progress, error));
+    return lock_journal(document->journal, true, &document->lock_file, error);
+}
+
+iso_status isosculpt_document_resample(isosculpt_document *document, const char *journal, const char *folder,
+                                       double voxel, const iso_progress *progress, iso_error *error) {
+    const iso_progress making = iso_progress_part(progress, 0, 0.3),
+                       playing = iso_progress_part(progress, 0.3, 1);
+    iso_journal_reader *reader;
+    struct stat about = {.st_size = 0};
+    first_field field = {.grid = NULL};
+    ISO_TRY(iso_journal_open(journal, &document->start, &reader, error));
+    stat(journal, &about);
+    const double before = document->start.voxel_size;
+    iso_status status = make_resampled_field(document, journal, voxel, &making, &field, error);
+    const double factor = fmax(1, pow(before / document->start.voxel_size, 3));
+    if (status == ISO_OK)
+        status =
+            play_again(document, folder, reader, (uint64_t)about.st_size, factor, &field, &playing, error);
+    if (status == ISO_OK) choose_target(document, journal);
+    if (field.grid) iso_hgrid_destroy(field.grid);
+    iso_cell_items_free(&field.paint);
+    iso_journal_reader_free(reader);
     return status;
 }
 

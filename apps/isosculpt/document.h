@@ -88,6 +88,13 @@ void isosculpt_document_remember(const isosculpt_document *document);
 iso_status isosculpt_document_open(isosculpt_document *document, const char *journal,
                                    const iso_progress *progress, iso_error *error);
 
+/* Opens a document whose session begins as that of a stroke file, in voxels of another size, and plays all of
+ * its events, which go into a new journal in `folder`: what could be undone can be. The file, which may be
+ * open, stays as it is. Errors as isosculpt_document_open; ISO_ERR_WRITE: the new journal cannot be written;
+ * ISO_ERR_LIMIT: too many voxels. */
+iso_status isosculpt_document_resample(isosculpt_document *document, const char *journal, const char *folder,
+                                       double voxel, const iso_progress *progress, iso_error *error);
+
 /* Makes the field that a session began with, from its journal's header and path ("": it has none); the caller
  * owns *grid. For any thread. Errors: those of iso_source_reopen. */
 iso_status isosculpt_document_first_field(const iso_journal_start *start, const char *journal, iso_pool *pool,

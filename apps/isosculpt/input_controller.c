@@ -399,7 +399,7 @@ void isosculpt_controller_change_mask(isosculpt_controller *controller, iso_tool
         isosculpt_stroke_editor_is_busy(&controller->document->strokes) ||
         !cancel_unfinished_stroke(controller))
         return;
-    if (tool == ISO_TOOL_CLEAR_MASK && !iso_session_has_mask(session)) return;
+    if (tool != ISO_TOOL_INVERT_MASK && !iso_session_has_mask(session)) return;
     const iso_brush brush = {.tool = tool, .radius = controller->brush.radius};
     /* The tool changes all voxels; the sample only has to be somewhere in the grid. */
     const iso_sample sample = {.position = controller->document->start.origin,
@@ -461,6 +461,24 @@ static void drag_plane(isosculpt_controller *controller, double dx, double dy) {
                                                                                          &view, dx, dy);
 }
 
+/* Picks a place of the surface to measure; says why if there is none. */
+static void measure_at(isosculpt_controller *controller, iso_vec3 point) {
+    const isosculpt_document *document = controller->document;
+    isosculpt_measuring *measuring = &controller->measuring;
+    if (isosculpt_measuring_pick(measuring, &controller->viewport->grid, point, document->pool,
+                                 &controller->error) == ISO_OK)
+        measuring->place_changes = document->change_count;
+}
+
+void isosculpt_controller_measure_solid(isosculpt_controller *controller) {
+    const isosculpt_document *document = controller->document;
+    isosculpt_measuring *measuring = &controller->measuring;
+    if (controller->drag || controller->viewing_volume) return;
+    measuring->has_solid = iso_measure_solid(&controller->viewport->grid, document->pool, &measuring->solid,
+                                             &controller->error) == ISO_OK;
+    measuring->solid_changes = document->change_count;
+}
+
 void isosculpt_controller_press(isosculpt_controller *controller, isosculpt_button button, unsigned modifiers,
                                 double x, double y) {
     isosculpt_pick pick;
@@ -473,6 +491,9 @@ void isosculpt_controller_press(isosculpt_controller *controller, isosculpt_butt
     const isosculpt_cut_part handle = isosculpt_controller_handle(controller);
     if (button == ISOSCULPT_BUTTON_RIGHT)
         controller->drag = ISOSCULPT_DRAG_PAN;
+    else if (brush && !handle && controller->measuring.on && !controller->viewing_volume &&
+             isosculpt_pick_buffer_pick(&controller->viewport->drawn, x, y, &pick))
+        measure_at(controller, pick.position);
     else if (brush && !handle && iso_tool_is_trim(controller->brush.tool))
         begin_outline(controller, modifiers, x, y);
     else if (button == ISOSCULPT_BUTTON_LEFT && handle)
@@ -604,6 +625,8 @@ static bool handle_command_key(isosculpt_controller *controller, int key, bool s
         controller->commands |= shift ? ISOSCULPT_COMMAND_SAVE_AS : ISOSCULPT_COMMAND_SAVE;
     else if (key == 'o')
         controller->commands |= ISOSCULPT_COMMAND_OPEN;
+    else if (key == 'n')
+        controller->commands |= ISOSCULPT_COMMAND_NEW;
     else if (key == 'q')
         controller->commands |= ISOSCULPT_COMMAND_CLOSE;
     else if (key == 'z' || key == 'y')
@@ -676,6 +699,7 @@ static bool choose_tool(isosculpt_controller *controller, int key) {
     while (number < ISOSCULPT_TOOLS && tools[number].key != key) number++;
     if (number == ISOSCULPT_TOOLS) return false;
     controller->brush.tool = tools[number].tool;
+    controller->measuring.on = false;
     isosculpt_stroke_editor_select(&controller->document->strokes, 0, 0);
     if (!controller->viewing_volume) return true;
     controller->commands |= ISOSCULPT_COMMAND_SCULPT;
@@ -698,6 +722,8 @@ static bool handle_brush_key(isosculpt_controller *controller, int key, unsigned
         controller->adjusting = (char)key;
     else if (key == 'e')
         isosculpt_controller_pick_color(controller);
+    else if (key == 'd' && !controller->viewing_volume)
+        controller->measuring.on = !controller->measuring.on;
     else if (key == ISOSCULPT_KEY_DELETE)
         isosculpt_stroke_editor_request_all(&controller->document->strokes, ISO_EVENT_DELETE,
                                             &controller->error);

@@ -5,6 +5,7 @@
 #define ISO_APPS_ISOSCULPT_INPUT_CONTROLLER_H
 
 #include "apps/isosculpt/document.h"
+#include "apps/isosculpt/measuring.h"
 #include "apps/isosculpt/recorded_strokes.h"
 #include "apps/isosculpt/viewport/viewport.h"
 
@@ -52,7 +53,8 @@ typedef enum isosculpt_command {
     ISOSCULPT_COMMAND_CLOSE = 4,
     ISOSCULPT_COMMAND_SCULPT = 8,   /* convert the viewed volume into a field */
     ISOSCULPT_COMMAND_SAVE_AS = 16, /* save to a name that the user chooses */
-    ISOSCULPT_COMMAND_OPEN = 32     /* open a file that the user chooses */
+    ISOSCULPT_COMMAND_OPEN = 32,    /* open a file that the user chooses */
+    ISOSCULPT_COMMAND_NEW = 64      /* begin with a solid that the user chooses */
 } isosculpt_command;
 
 /* The path of the pointer while it outlines what is removed, in pixels of the picture. */
@@ -81,7 +83,8 @@ typedef struct isosculpt_controller {
     double press_x, press_y; /* ISOSCULPT_DRAG_SELECT: where it began, and with which modifier keys */
     unsigned press_modifiers;
     isosculpt_outline outline; /* ISOSCULPT_DRAG_OUTLINE */
-    bool brush_held;           /* the panel's brush is being changed: a stroke gets it when this is over */
+    isosculpt_measuring measuring;
+    bool brush_held; /* the panel's brush is being changed: a stroke gets it when this is over */
 
     bool viewing_volume; /* a volume is shown: there is no field that a brush could change */
     bool field_pending;  /* the volume is to become a field, or becomes one: strokes are queued until then */
@@ -152,9 +155,14 @@ void isosculpt_controller_set_radius(isosculpt_controller *controller, double ra
 bool isosculpt_tool_has_color(iso_tool tool);
 /* Takes the brush's colour from the surface under the pointer, if it is over one. */
 void isosculpt_controller_pick_color(isosculpt_controller *controller);
-/* Changes the whole mask as a stroke of its own: ISO_TOOL_CLEAR_MASK, or ISO_TOOL_INVERT_MASK. Does nothing
+/* Changes the whole mask as a stroke of its own: ISO_TOOL_CLEAR_MASK to ISO_TOOL_BLUR_MASK, this one over
+ * the brush's radius. Does nothing
  * while the pointer is dragged, while a volume is shown, or while strokes are being edited. */
 void isosculpt_controller_change_mask(isosculpt_controller *controller, iso_tool tool);
+
+/* Measures the solid (controller->measuring.solid). Not while a stroke is drawn. Errors are stored in
+ * controller->error. */
+void isosculpt_controller_measure_solid(isosculpt_controller *controller);
 
 /* Makes a stamp the shape of the brush; the session takes it over. Not during a stroke. */
 void isosculpt_controller_set_stamp(isosculpt_controller *controller, iso_stamp *stamp);

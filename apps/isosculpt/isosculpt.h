@@ -3,6 +3,8 @@
 #define ISO_APPS_ISOSCULPT_ISOSCULPT_H
 
 #include "apps/common/settings.h"
+#include "apps/isosculpt/freezing.h"
+#include "apps/isosculpt/measuring.h"
 #include "apps/isosculpt/stroke_edits.h"
 #include "grids/closing/closed_mesh.h"
 #include "sculpt/session/session.h"
@@ -24,8 +26,14 @@ typedef enum isosculpt_x_ray {
 
 /* Strings are borrowed from argv. */
 typedef struct isosculpt_settings {
-    iso_common_settings common; /* first; `input` says how the opened file is read */
-    const char *strokes;        /* the operand: a stroke file to continue in a window */
+    iso_common_settings common;  /* first; `input` says how the opened file is read */
+    const char *strokes;         /* the operand: a stroke file to continue in a window */
+    iso_start_solid solid;       /* that a new session begins with; size.x = 0: not given */
+    isosculpt_freezing freezing; /* of the opened volume */
+    isosculpt_measure_request measure;
+    const char *video; /* of the strokes as they are drawn; NULL: none */
+    double seconds, turntable,
+        frame_rate; /* of the video: of strokes, of a turn after them; pictures a second */
     const char *replay, *open, *stamp, *output, *mesh, *font;
     isosculpt_edits edits;    /* of the strokes that are replayed */
     const char *save_strokes; /* where the strokes go with their edits; NULL: nowhere */
@@ -35,13 +43,21 @@ typedef struct isosculpt_settings {
     int x_ray;            /* isosculpt_x_ray */
     iso_texts references; /* files of the reference; none: the surface as it was when the session began */
     int space;            /* iso_space, of the references */
-    int resolution[2];    /* pixels, of the pictures of --draw; 0: 1280 x 800 */
+    int resolution[2];    /* pixels, of the pictures of --draw and --video */
     double voxel_size;    /* mm; 0: not given */
     double scale;         /* of text and panel in the window; 0: the screen's */
     double isovalue;      /* physical; NAN: not given */
     double close_holes;   /* iso_closing_opts.hole, mm */
     uint64_t undo_memory; /* bytes */
 } isosculpt_settings;
+
+static inline bool isosculpt_has_new(const isosculpt_settings *settings) {
+    return settings->solid.size.x > 0;
+}
+
+/* Reads SOLID:SIZE[,round=MM], where SIZE has the numbers that the solid needs: sphere:80, box:60x40x20,
+ * capsule:20x60, cylinder:40x60 and torus:80x16 (across and along z). ISO_ERR_USAGE. */
+iso_status isosculpt_solid_parse(const char *text, iso_start_solid *solid, iso_error *error);
 
 /* The group of the options that say how a volume is read. */
 #define ISOSCULPT_READING "Reading a volume"

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file_types.h"
+#include "source/label.h"
 
 struct isosculpt_load_job {
     isosculpt_task *task;
@@ -28,11 +29,27 @@ bool isosculpt_is_strokes(const char *path) {
     return iso_file_type_of_name(path, ISO_HOLDS_STROKES) != ISO_FILE_UNKNOWN;
 }
 
+/* Freezes what is asked for in the new session, of the volume (NULL: it is read again). */
+static iso_status freeze(isosculpt_load_job *load_job, const iso_source_volume *volume, iso_error *error) {
+    const isosculpt_load_request *request = &load_job->request;
+    isosculpt_document *document = &load_job->loaded.document;
+    iso_pool *pool = load_job->loaded.pool;
+    const iso_status status =
+        volume ? iso_source_freeze(document->session, &volume->volume.grid, request->freezing.isovalue, pool,
+                                   error)
+               : isosculpt_freeze(document->session, load_job->path, &request->input,
+                                  iso_source_label(&document->start), &request->freezing, pool, error);
+    document->change_count += status == ISO_OK;
+    return status;
+}
+
 static iso_status open_document(isosculpt_load_job *load_job, const iso_source_volume *volume,
                                 const iso_progress *progress, iso_error *error) {
     const isosculpt_load_request *request = &load_job->request;
     isosculpt_loaded *loaded = &load_job->loaded;
-    const iso_source source = {.path = load_job->path,
+    const bool begins = request->solid.size.x > 0;
+    const iso_source source = {.path = begins ? NULL : load_job->path,
+                               .solid = &request->solid,
                                .isovalue = request->isovalue,
                                .voxel = request->voxel,
                                .pool = loaded->pool,
@@ -43,9 +60,15 @@ static iso_status open_document(isosculpt_load_job *load_job, const iso_source_v
                                .input = &request->input};
     loaded->document.pool = loaded->pool;
     loaded->document.undo_memory = request->undo_memory;
-    ISO_TRY(isosculpt_is_strokes(load_job->path)
-                ? isosculpt_document_open(&loaded->document, load_job->path, progress, error)
-                : isosculpt_document_new(&loaded->document, request->folder, &source, error));
+    loaded->resampled = request->resample;
+    if (request->resample)
+        ISO_TRY(isosculpt_document_resample(&loaded->document, load_job->path, request->folder,
+                                            request->voxel, progress, error));
+    else
+        ISO_TRY(!begins && isosculpt_is_strokes(load_job->path)
+                    ? isosculpt_document_open(&loaded->document, load_job->path, progress, error)
+                    : isosculpt_document_new(&loaded->document, request->folder, &source, error));
+    if (request->freezing.on) ISO_TRY(freeze(load_job, volume, error));
     return isosculpt_viewport_init(&loaded->viewport, iso_session_grid(loaded->document.session),
                                    loaded->pool, error);
 }
@@ -75,7 +98,7 @@ static iso_status open_volume(isosculpt_load_job *load_job, const iso_progress *
 
 static iso_status open_path(isosculpt_load_job *load_job, const iso_progress *progress, iso_error *error) {
     const isosculpt_load_request *request = &load_job->request;
-    const bool converts = request->input.label ||
+    const bool converts = request->solid.size.x > 0 || request->input.label ||
                           (!request->input.has_raw && iso_source_kind(load_job->path) != ISO_HOLDS_VOLUME);
     if (request->volume || isosculpt_is_strokes(load_job->path) || converts)
         return open_document(load_job, request->volume, progress, error);

@@ -4,16 +4,20 @@
 #define ISO_APPS_ISOSCULPT_LOAD_JOB_H
 
 #include "apps/isosculpt/document.h"
+#include "apps/isosculpt/freezing.h"
 #include "apps/isosculpt/viewport/viewport.h"
 
 /* What to open. The job copies everything except the borrowed pointers. */
 typedef struct isosculpt_load_request {
     const char *path;                /* of strokes (.strokes), or of anything that iso_source_open reads */
+    iso_start_solid solid;           /* size.x > 0: a new session begins with it; the path is its name */
+    bool resample;                   /* the path is a stroke file, to be played in voxels of size `voxel` */
     bool stamp;                      /* the path is a mesh to be used as a stamp */
     const iso_source_volume *volume; /* borrowed: the viewed volume, to be converted into a field; NULL: the
                                        path is read */
     const char *folder;              /* of new journals; NULL: none is written */
     double isovalue, voxel, close_holes; /* as in iso_source */
+    isosculpt_freezing freezing;         /* of the volume, once it is a field */
     iso_input input;    /* how the path is read, unless it is strokes; its strings are borrowed */
     int threads;        /* 0: one for each processor */
     size_t undo_memory; /* bytes */
@@ -32,6 +36,7 @@ typedef struct isosculpt_loaded {
                                  document; or NULL */
     iso_stamp *stamp;          /* the stamp, in which case there is nothing else; or NULL */
     iso_mesh_report report;    /* of a mesh */
+    bool resampled;            /* the document is the one before in other voxels */
 } isosculpt_loaded;
 void isosculpt_loaded_free(isosculpt_loaded *loaded);
 

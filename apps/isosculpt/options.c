@@ -24,6 +24,21 @@ static iso_status apply_resolution(void *target, const char *value, iso_error *e
     return iso_parse_resolution(value, settings->resolution, error);
 }
 
+static iso_status apply_measure(void *target, const char *value, iso_error *error) {
+    return isosculpt_measure_parse(value, &((isosculpt_settings *)target)->measure, error);
+}
+
+static iso_status apply_freeze(void *target, const char *value, iso_error *error) {
+    return isosculpt_freezing_parse(value, &((isosculpt_settings *)target)->freezing, error);
+}
+
+static iso_status apply_new(void *target, const char *value, iso_error *error) {
+    isosculpt_settings *settings = target;
+    ISO_TRY(isosculpt_solid_parse(value, &settings->solid, error));
+    const iso_status status = iso_start_solid_check(&settings->solid, settings->solid.size.x, error);
+    return status == ISO_OK ? ISO_OK : ISO_ERR_USAGE;
+}
+
 static iso_status apply_close_holes(void *target, const char *value, iso_error *error) {
     isosculpt_settings *settings = target;
     char *end;
@@ -55,6 +70,11 @@ static const char *const spaces[] = {"file", "lps", "ras", NULL}; /* iso_space *
 static const iso_option options[] = {
     {"recover", NULL, NULL, "continue the last session that was not closed", .group = SESSION,
      .kind = ISO_OPTION_FLAG, AT(recover)},
+    {"new", NULL, "SOLID:SIZE",
+     "begin with a solid around the origin: sphere:80, box:60x40x20 (mm), capsule:20x60, cylinder:40x60, "
+     "torus:80x16 "
+     "(across and along z); the edges of box and cylinder can be rounded (,round=4)",
+     .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_new, .standard = "sphere:80"},
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
     {"edit", NULL, "STROKES:KEY=VALUE,...",
      "before the result is written, give strokes of --replay another brush; STROKES is a number or two (12 "
@@ -87,6 +107,10 @@ static const iso_option options[] = {
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(common.input.label)},
     {"label-table", NULL, "FILE", "names of labels (FreeSurfer, 3D Slicer or ITK-SNAP), for --label",
      .group = SESSION, .kind = ISO_OPTION_TEXT, AT(common.input.label_table)},
+    {"freeze", NULL, "V",
+     "freeze what the opened volume has at or above this isovalue, before the first stroke; labels: all "
+     "others than --label",
+     .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_freeze},
 #define SOLID SESSION
 #include "apps/common/solid_options.inc"
 #undef SOLID
@@ -119,6 +143,22 @@ static const iso_option options[] = {
     {"save-strokes", NULL, "FILE",
      "write the strokes of --replay with the edits as a stroke file (.strokes), in which these can be undone",
      .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(save_strokes)},
+    {"measure", NULL, "PLACES",
+     "say volume, area and size; of each place (X/Y/Z,X/Y/Z, mm) the nearest one of the surface, how thick "
+     "the solid is "
+     "there along the inward normal, and how far it is from the place before (--json: measured)",
+     .group = OUTPUT, .kind = ISO_OPTION_CALL, .apply = apply_measure, .flags = ISO_OPTION_VALUE_OPTIONAL},
+    {"video", NULL, "FILE",
+     "write a video ({videos}) of the strokes as they are drawn, those that are left and in their order; "
+     "ffmpeg encodes it",
+     .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(video)},
+    {"seconds", NULL, "S", "that the strokes take in the video", .group = OUTPUT, .kind = ISO_OPTION_REAL,
+     AT(seconds), .standard = "10", .low = 0.04, .high = 36000},
+    {"turntable", NULL, "S", "after the strokes the camera turns once around the result, in so many seconds",
+     .group = OUTPUT, .kind = ISO_OPTION_REAL, AT(turntable), .standard = "0; 5 without strokes", .low = 0,
+     .high = 36000},
+    {"frame-rate", NULL, "N", "pictures a second of the video", .group = OUTPUT, .kind = ISO_OPTION_REAL,
+     AT(frame_rate), .standard = "25", .low = 0.01, .high = 1000},
     {"json", NULL, "FILE", "say what was done as JSON, to standard output without a file", .group = OUTPUT,
      .kind = ISO_OPTION_CALL, .apply = iso_settings_apply_json, .extension = ".json",
      .flags = ISO_OPTION_VALUE_OPTIONAL},
@@ -127,7 +167,7 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_FLAG, AT(extract)},
     {"draw", NULL, NULL, "draw the picture after every sample, as a window does, and time it",
      .group = RUNNING, .kind = ISO_OPTION_FLAG, AT(draw)},
-    {"resolution", NULL, "WxH", "size of the pictures that --draw draws", .group = RUNNING,
+    {"resolution", NULL, "WxH", "size of the pictures of --draw and --video", .group = RUNNING,
      .kind = ISO_OPTION_CALL, .apply = apply_resolution, .standard = "1280x800"},
     {"backend", "rendering-backend", "NAME",
      "what draws in the window: cpu, or gl (OpenGL: points, discs, pullpush and mesh, and exact as a mesh "
@@ -163,7 +203,7 @@ static const iso_option options[] = {
 static const char *const exit_text[] = {"0  done",
                                         "2  wrong usage",
                                         "3  the stroke file cannot be read, or is damaged",
-                                        "4  no window can be opened: use --headless",
+                                        "4  no window can be opened: use --headless; or ffmpeg is missing",
                                         "5  out of memory",
                                         "6  nothing is left of the solid",
                                         "7  an output could not be written",
@@ -225,6 +265,10 @@ static iso_status check_opened(const isosculpt_settings *settings, iso_error *er
     if (settings->common.input.label && !isnan(settings->isovalue))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--label and --isovalue cannot be combined: a label is a solid");
+    if (settings->freezing.on && !settings->open)
+        return iso_fail(error, ISO_ERR_USAGE, "--freeze needs a volume to open");
+    if (settings->freezing.labels && !settings->common.input.label)
+        return iso_fail(error, ISO_ERR_USAGE, "--freeze labels needs --label");
     if (!option && iso_input_drops_parts(&settings->common.input))
         option = settings->common.input.largest ? "--largest" : "--min-size";
     if (!settings->open && option) return iso_fail(error, ISO_ERR_USAGE, "%s needs a file to open", option);
@@ -233,13 +277,19 @@ static iso_status check_opened(const isosculpt_settings *settings, iso_error *er
 
 /* Refuses options that a window does not use. The operand is a stroke file or a file to open. */
 static iso_status check_window(isosculpt_settings *settings, const iso_operands *operands, iso_error *error) {
+    if (settings->video) return iso_fail(error, ISO_ERR_USAGE, "--video needs --headless");
+    if (settings->measure.on)
+        return iso_fail(error, ISO_ERR_USAGE, "--measure needs --headless: in a window the key D measures");
     if (settings->replay || settings->output || settings->mesh || settings->common.json ||
         settings->extract || settings->draw)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--replay, --output, --mesh, --json, --extract and --draw need --headless");
     if (settings->edits.count || settings->save_strokes)
         return iso_fail(error, ISO_ERR_USAGE, "edits of strokes by options need --replay and --headless");
-    if (operands->count + (settings->open != NULL) + (settings->recover != 0) > 1)
+    const int begun = operands->count + (settings->open != NULL) + (settings->recover != 0);
+    if (isosculpt_has_new(settings) && begun > 0)
+        return iso_fail(error, ISO_ERR_USAGE, "one session at a time: --new is too many");
+    if (begun > 1)
         return iso_fail(error, ISO_ERR_USAGE, "one session at a time: '%s' is too many",
                         operands->count ? operands->values[operands->count - 1] : settings->open);
     const char *operand = operands->count ? operands->values[0] : NULL;
@@ -247,8 +297,8 @@ static iso_status check_window(isosculpt_settings *settings, const iso_operands 
         settings->strokes = operand;
     else if (operand)
         settings->open = operand;
-    if (settings->voxel_size > 0 && !settings->open)
-        return iso_fail(error, ISO_ERR_USAGE, "--voxel-size needs a file to open, or --headless");
+    if (settings->voxel_size > 0 && !settings->open && !isosculpt_has_new(settings))
+        return iso_fail(error, ISO_ERR_USAGE, "--voxel-size needs a file to open, --new, or --headless");
     return check_opened(settings, error);
 }
 
@@ -269,11 +319,17 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
                                     iso_operands *operands, iso_error *error) {
     memset(settings, 0, sizeof *settings);
     settings->isovalue = NAN;
+    settings->frame_rate = 25;
+    settings->resolution[0] = 1280;
+    settings->resolution[1] = 800;
+    settings->seconds = 10;
+    settings->turntable = -1;
     ISO_TRY(iso_options_parse(isosculpt_program(), argc, argv, settings, operands, error));
     if (settings->common.action) return ISO_OK;
     ISO_TRY(check_files(settings, operands, error));
     if (settings->space && !settings->references.count)
         return iso_fail(error, ISO_ERR_USAGE, "--space is for --reference, which is not given");
+    if (settings->turntable < 0) settings->turntable = settings->replay ? 0 : 5;
     if (!settings->headless) return check_window(settings, operands, error);
     if (settings->recover) return refuse_recovery(error);
     if (settings->scale > 0 || settings->font)
@@ -286,8 +342,10 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
         return iso_fail(error, ISO_ERR_USAGE,
                         "%s: with --headless a file is named by --open, and strokes by --replay",
                         operands->values[0]);
-    if (!settings->replay && !settings->open)
-        return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE or --open FILE");
+    if (settings->open && isosculpt_has_new(settings))
+        return iso_fail(error, ISO_ERR_USAGE, "a session begins with --open or with --new");
+    if (!settings->replay && !settings->open && !isosculpt_has_new(settings))
+        return iso_fail(error, ISO_ERR_USAGE, "--headless needs --replay FILE, --open FILE or --new SOLID");
     if ((settings->edits.count || settings->save_strokes) && !settings->replay)
         return iso_fail(error, ISO_ERR_USAGE, "edits of strokes, and --save-strokes, need --replay");
     if (settings->save_strokes && !is_type(settings->save_strokes, ISO_HOLDS_STROKES))

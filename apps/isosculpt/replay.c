@@ -13,6 +13,7 @@
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/reference_file.h"
 #include "apps/isosculpt/save.h"
+#include "apps/isosculpt/time_lapse.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/file_types.h"
@@ -42,6 +43,7 @@ typedef struct report {
     iso_components_totals parts; /* of the opened file; zero unless parts could be dropped */
     const char *mesh_path;       /* of the mesh that was written; NULL: none */
     iso_mesh_measures mesh;      /* of that mesh */
+    isosculpt_measured measured; /* of --measure */
     int resolution[2];           /* pixels, of --draw */
     iso_label_changes *label;    /* owned; of the segmentation that was written; NULL: none */
 } report;
@@ -69,19 +71,6 @@ static void free_times(report *r) {
 }
 
 /* ---- the field that the session began with */
-
-/* Changes the voxel size; the grid keeps its size in mm, rounded up to whole bricks. */
-static iso_status change_voxel_size(iso_journal_start *start, double voxel_size, iso_error *error) {
-    for (int axis = 0; axis < 3; axis++) {
-        double voxels = ceil(start->dims[axis] * start->voxel_size / voxel_size / ISO_BRICK) * ISO_BRICK;
-        if (voxels > ISO_HGRID_MAX)
-            return iso_fail(error, ISO_ERR_LIMIT, "voxels of %g mm: %g of them along %c, at most %d",
-                            voxel_size, voxels, "xyz"[axis], ISO_HGRID_MAX);
-        start->dims[axis] = (int)voxels;
-    }
-    start->voxel_size = voxel_size;
-    return ISO_OK;
-}
 
 static void log_note(const char *text) {
     iso_program_log(isosculpt_program(), "%s", text);
@@ -111,6 +100,7 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
     const iso_progress bar = {.tell = show_opening, .context = &shown};
     const bool shows = !settings->common.quiet && iso_progress_bar_possible();
     const iso_source source = {.path = settings->open,
+                               .solid = &settings->solid,
                                .progress = shows ? &bar : NULL,
                                .isovalue = settings->isovalue,
                                .voxel = settings->voxel_size,
@@ -122,11 +112,8 @@ static iso_status make_field(const isosculpt_settings *settings, iso_pool *pool,
                                .paint = paint,
                                .files = files,
                                .note = settings->common.quiet ? NULL : log_note};
-    if (settings->open) return iso_source_open(&source, start, grid, error);
-    if (strcmp(start->source, "ball") != 0)
-        return iso_source_reopen(settings->replay, &source, start, grid, error);
-    if (settings->voxel_size > 0) ISO_TRY(change_voxel_size(start, settings->voxel_size, error));
-    return iso_session_ball(start, grid, error);
+    if (settings->open || isosculpt_has_new(settings)) return iso_source_open(&source, start, grid, error);
+    return iso_source_reopen(settings->replay, &source, start, grid, error);
 }
 
 static void log_parts(const isosculpt_settings *settings, const report *r) {
@@ -142,6 +129,8 @@ static void log_parts(const isosculpt_settings *settings, const report *r) {
 
 /* ---- playing */
 
+enum { OUTPUTS = 4 };
+
 typedef struct player {
     const isosculpt_settings *settings;
     report *report;
@@ -149,7 +138,7 @@ typedef struct player {
     iso_session *session;
     iso_point_set *points;
     isosculpt_viewport *viewport; /* NULL: nothing is drawn */
-    const char *written[3];       /* outputs written so far */
+    const char *written[OUTPUTS]; /* outputs written so far */
     iso_buffer events;            /* iso_event: the edits of the command line */
     size_t event_count;
     iso_grid first; /* owned; the field before any stroke, if the output is a segmentation */
@@ -320,6 +309,7 @@ static void put_report(iso_json *json, const isosculpt_settings *settings, const
     if (r->parts.kept) iso_put_components(json, "solid_parts", &r->parts);
     if (r->mesh_path) iso_put_mesh_measures(json, "mesh", &r->mesh);
     put_label(json, r);
+    if (settings->measure.on) isosculpt_put_measured(json, &r->measured);
     iso_json_integer(json, "strokes", r->strokes);
     iso_json_integer(json, "samples", r->samples);
     iso_json_integer(json, "undone", r->undone);
@@ -358,7 +348,7 @@ static iso_status write_report(const isosculpt_settings *settings, const report 
 /* ---- outputs */
 
 static const char *input_name(const isosculpt_settings *settings) {
-    return settings->replay ? settings->replay : settings->open;
+    return settings->replay ? settings->replay : settings->open ? settings->open : "--new";
 }
 
 /* Whether the output is the segmentation that the session began with. */
@@ -417,7 +407,7 @@ static iso_status write_level_set(player *p, const char *path, iso_error *error)
 
 /* The stroke file that the session's source is sought beside. */
 static const char *strokes_of(const isosculpt_settings *settings) {
-    return settings->open ? "" : settings->replay;
+    return settings->replay && !settings->open ? settings->replay : "";
 }
 
 static iso_status write_label(player *p, const char *path, iso_error *error) {
@@ -430,6 +420,35 @@ static iso_status write_label(player *p, const char *path, iso_error *error) {
                                iso_session_grid(p->session), sink.stream, NULL, p->report->label, error);
     if (status == ISO_OK) return iso_sink_commit(&sink, error);
     iso_sink_abort(&sink);
+    return status;
+}
+
+static iso_film_opts film_of(const isosculpt_settings *settings) {
+    return (iso_film_opts){.path = settings->video,
+                           .width = settings->resolution[0],
+                           .height = settings->resolution[1],
+                           .frame_rate = settings->frame_rate,
+                           .seconds = settings->replay ? settings->seconds : 0,
+                           .turn_seconds = settings->turntable,
+                           .title = input_name(settings)};
+}
+
+/* Makes the first field again, and draws the strokes that are left. */
+static iso_status write_video(player *p, iso_error *error) {
+    report again = {.start = p->report->start};
+    iso_cell_items paint = {.cell = NULL};
+    iso_file_set files = {0};
+    isosculpt_time_lapse lapse = {.film = film_of(p->settings),
+                                  .start = &again.start,
+                                  .strokes = &p->report->list,
+                                  .result = iso_session_grid(p->session),
+                                  .paint = &paint,
+                                  .pool = p->pool};
+    iso_status status = make_field(p->settings, p->pool, &files, &again, &lapse.first, &paint, error);
+    iso_progress_bar_clear();
+    if (status == ISO_OK) status = isosculpt_time_lapse_write(&lapse, error);
+    iso_cell_items_free(&paint);
+    iso_file_set_free(&files);
     return status;
 }
 
@@ -451,6 +470,8 @@ static iso_status write_outputs(player *p, iso_error *error) {
         ISO_TRY(iso_journal_rewrite(settings->replay, p->events.data, p->event_count, settings->save_strokes,
                                     error));
     p->written[2] = settings->save_strokes;
+    if (settings->video) ISO_TRY(write_video(p, error));
+    p->written[3] = settings->video;
     return settings->common.json ? write_report(settings, p->report, error) : ISO_OK;
 }
 
@@ -458,12 +479,15 @@ static iso_status write_outputs(player *p, iso_error *error) {
 static iso_status check_outputs(const isosculpt_settings *settings, iso_file_set *files,
                                 const iso_journal_start *start, iso_error *error) {
     const char *const outputs[] = {settings->output, settings->mesh, settings->common.json_path,
-                                   settings->save_strokes};
+                                   settings->save_strokes, settings->video};
+    enum { COUNT = sizeof outputs / sizeof *outputs };
+    const iso_film_opts film = film_of(settings);
     for (int i = 0; i < settings->references.count; i++)
         iso_file_set_read(files, settings->references.values[i]);
-    for (int i = 0; i < 4; i++) iso_file_set_write(files, outputs[i]);
+    for (int i = 0; i < COUNT; i++) iso_file_set_write(files, outputs[i]);
     ISO_TRY(iso_file_set_check(files, error));
-    for (int i = 0; i < 4; i++) ISO_TRY(iso_sink_check(outputs[i], error));
+    for (int i = 0; i < COUNT; i++) ISO_TRY(iso_sink_check(outputs[i], error));
+    if (settings->video) ISO_TRY(iso_film_check(&film, error));
     return writes_label(settings)
                ? iso_source_label_check(strokes_of(settings), start, settings->output, error)
                : ISO_OK;
@@ -533,9 +557,11 @@ static void log_outputs(const player *p) {
     const iso_program *program = isosculpt_program();
     const char *input = input_name(p->settings);
     if (p->settings->common.quiet) return;
-    if (!p->written[0] && !p->written[1] && !p->written[2] && !p->settings->common.json)
+    if (p->settings->measure.on) isosculpt_tell_measured(&p->report->measured, log_note);
+    if (!p->written[0] && !p->written[1] && !p->written[2] && !p->written[3] && !p->settings->common.json &&
+        !p->settings->measure.on)
         iso_program_log(program, "%s: note: nothing is written: --output or --mesh names a file", input);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < OUTPUTS; i++) {
         const char *path = p->written[i];
         if (path && path == p->report->mesh_path)
             iso_program_log(program, "%s: wrote %s: %zu triangles", input, path, p->report->mesh.triangles);
@@ -550,8 +576,20 @@ static void log_outputs(const player *p) {
     }
 }
 
+static iso_status measure(player *p, iso_error *error) {
+    const iso_grid grid = {.hgrid = iso_session_grid(p->session)};
+    const iso_status status =
+        isosculpt_measure(&p->settings->measure, &grid, p->pool, &p->report->measured, error);
+    if (status != ISO_ERR_EMPTY) return status;
+    return iso_fail(error, status, "%s: nothing is left of the solid", input_name(p->settings));
+}
+
 static iso_status play_and_write(player *p, iso_journal_reader *reader, iso_error *error) {
     ISO_TRY(prepare(p, error));
+    if (p->settings->freezing.on)
+        ISO_TRY(isosculpt_freeze(p->session, p->settings->open, &p->settings->common.input,
+                                 iso_source_label(&p->report->start), &p->settings->freezing, p->pool,
+                                 error));
     double start = iso_clock_seconds();
     if (reader) ISO_TRY(play_all(p, reader, error));
     for (int i = 0; i < p->settings->edits.count; i++)
@@ -562,8 +600,10 @@ static iso_status play_and_write(player *p, iso_journal_reader *reader, iso_erro
     const iso_hgrid *grid = iso_session_grid(p->session);
     p->report->bricks = iso_hgrid_brick_count(grid);
     p->report->bytes = iso_hgrid_bytes(grid);
+    if (p->settings->measure.on) ISO_TRY(measure(p, error));
     iso_status status = write_outputs(p, error);
-    for (int i = 0; status != ISO_OK && i < 3; i++) iso_file_remove(p->written[i]); /* all outputs or none */
+    for (int i = 0; status != ISO_OK && i < OUTPUTS; i++)
+        iso_file_remove(p->written[i]); /* all outputs or none */
     ISO_TRY(status);
     if (!p->settings->common.quiet && p->report->edits.clipped)
         iso_program_log(isosculpt_program(), "%s: a brush reached beyond the grid: what lies outside is lost",
@@ -581,8 +621,7 @@ iso_status isosculpt_replay(const isosculpt_settings *settings, iso_pool *pool, 
     isosculpt_viewport viewport = {0};
     player p = {
         .settings = settings, .report = &r, .pool = pool, .viewport = settings->draw ? &viewport : NULL};
-    r.resolution[0] = settings->resolution[0] ? settings->resolution[0] : 1280;
-    r.resolution[1] = settings->resolution[1] ? settings->resolution[1] : 800;
+    memcpy(r.resolution, settings->resolution, sizeof r.resolution);
     iso_hgrid *grid = NULL;
     iso_cell_items paint = {.cell = NULL};
     iso_session_opts opts = {.pool = pool, .undo_memory = (size_t)settings->undo_memory, .paint = &paint};

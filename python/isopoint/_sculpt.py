@@ -14,7 +14,8 @@ from ._volume import Volume
 
 _TOOLS = {name.replace("_", "-").lower(): getattr(lib, "ISO_TOOL_" + name) for name in
           ("ADD", "CARVE", "BLEND_ADD", "BLEND_CARVE", "SMOOTH", "INFLATE", "DEFLATE", "FLATTEN", "SCRAPE", "FILL",
-           "CLAY", "PINCH", "CREASE", "SNAKE_HOOK", "MOVE", "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK", "PAINT",
+           "CLAY", "PINCH", "CREASE", "SNAKE_HOOK", "MOVE", "MASK", "UNMASK", "CLEAR_MASK", "INVERT_MASK", "BLUR_MASK", "MASK_VOXELS",
+           "PAINT",
            "TRIM_PLANE", "TRIM_LASSO", "CROP_LASSO")}
 _SOLIDS = {name.lower(): getattr(lib, "ISO_SOLID_" + name) for name in
            ("SPHERE", "BOX", "CAPSULE", "CYLINDER", "TORUS", "STAMP")}
@@ -27,7 +28,7 @@ _FALLOFFS = {name.lower(): getattr(lib, "ISO_FALLOFF_" + name) for name in ("SMO
 class Brush:
     """A brush. `tool`: "add", "carve", "blend-add", "blend-carve", "smooth", "inflate", "deflate", "flatten",
     "scrape", "fill", "clay", "pinch", "crease", "snake-hook", "move", "mask", "unmask", "clear-mask", "invert-mask",
-    "paint", "trim-plane", "trim-lasso" or "crop-lasso"; `shape` of the first four: "sphere", "box", "capsule",
+    "blur-mask" (its border, over the radius), "paint", "trim-plane", "trim-lasso" or "crop-lasso"; `shape` of the first four: "sphere", "box", "capsule",
     "cylinder", "torus" or "stamp". Sizes in mm; `aspect` and `spacing` in radii; 0 means the usual. `symmetry`: "x",
     "yz" .., mirrored at planes through `mirror`; `radial`: that many images (2 to 32), turned around the `radial_axis`
     through it. `color`: "#rrggbb", of the surface that "paint", the first four, "inflate", "fill" and "clay" make; None: it
@@ -86,12 +87,18 @@ class Stroke:
 
 class Sculpt:
     """A ball at the world's origin, to be sculpted. `shape` of its grid (z, y, x), voxels of `voxel` mm; `radius` mm, 0: a
-    quarter of the grid. `journal`: a stroke file, which keeps every stroke; it must not exist yet."""
+    quarter of the grid. With a `size` (x, y, z) of its bounding box in mm it is a `solid` instead: "sphere", "box", "capsule",
+    "cylinder" or "torus" (a ring of x, whose tube has the diameter z) along z, a box or cylinder with edges of the radius `round`,
+    in a grid that suits it. `journal`: a stroke file, which keeps every stroke; it must not exist yet."""
 
     def __init__(self, *, voxel: float = 0.0, shape: Sequence[int] = (0, 0, 0), radius: float = 0.0,
+                 solid: str = "sphere", size: Optional[Floats] = None, round: float = 0.0,
                  journal: Optional[Path] = None, threads: int = 0) -> None:
         self._create(lib.iso_sculpt_create, {"voxel_size": voxel, "dims": [int(n) for n in reversed(shape)],
-                                             "radius": radius, "threads": threads}, journal=journal)
+                                             "radius": radius, "threads": threads,
+                                             "solid": one_of(_SOLIDS, solid, "solid"), "round": round,
+                                             "size": vec3((0, 0, 0) if size is None else size, "size")},
+                     journal=journal)
 
     def _create(self, function: Any, options: "dict[str, Any]", *arguments: Any,
                 journal: Optional[Path] = None) -> None:
@@ -190,6 +197,12 @@ class Sculpt:
         """Moves strokes: they are drawn before the stroke `before`, or (0) last."""
         with self.volume._lock:
             call(lib.iso_sculpt_move, self._handle, first, last or first, before)
+
+    def freeze(self, volume: Volume, isovalue: float) -> None:
+        """Freezes the voxels in the solid that a volume has at an isovalue, as a stroke of its own, which can be undone; a
+        stroke file keeps where they are."""
+        with self.volume._lock, volume._lock:
+            call(lib.iso_sculpt_freeze, self._handle, volume._handle, float(isovalue))
 
     def undo(self) -> None:
         """Undoes the last stroke or edit, exactly."""

@@ -377,6 +377,27 @@ class Sculpting(unittest.TestCase):
             again = isopoint.Sculpt.replay(f"{folder}/a.strokes")
             self.assertTrue((again.surface.render(size=(64, 64)).array == picture).all())
 
+    def test_solids(self):
+        """Sessions begin with solids of known volumes, which replay; what is none is refused."""
+        wanted = {"sphere": 4 / 3 * np.pi * 8000, "box": 24000, "cylinder": np.pi * 400 * 20, "torus": 2 * np.pi**2 * 15 * 25}
+        sizes = {"sphere": (40, 0, 0), "box": (40, 30, 20), "cylinder": (40, 0, 20), "torus": (40, 0, 10)}
+        for name, size in sizes.items():
+            volume = isopoint.Sculpt(solid=name, size=size, voxel=0.5).surface.measure()["volume"]
+            self.assertAlmostEqual(volume / wanted[name], 1, 2)
+        with tempfile.TemporaryDirectory() as folder:
+            made = isopoint.Sculpt(solid="box", size=(40, 30, 20), round=4, voxel=1, journal=f"{folder}/a.strokes")
+            made.stroke(isopoint.Brush(8, "mask"), [[20, 0, 0]])
+            made.stroke(isopoint.Brush(3, "blur-mask"), [[0, 0, 0]])
+            made.stroke(isopoint.Brush(6, "carve"), [[20, 0, 0], [0, 0, 10]])
+            volume = made.surface.measure()["volume"]
+            del made
+            gc.collect()
+            self.assertEqual(isopoint.Sculpt.replay(f"{folder}/a.strokes").surface.measure()["volume"], volume)
+        for solid, size, more in (("box", (4, 4, 4), {"round": 3}), ("torus", (4, 0, 3), {}), ("stamp", (4, 4, 4), {}),
+                                  ("box", (4, -4, 4), {}), ("box", (90, 90, 1), {"voxel": 1}), ("box", (4, 4, 4), {"radius": 2})):
+            with self.assertRaises(isopoint.UsageError):
+                isopoint.Sculpt(solid=solid, size=size, **more)
+
     def test_radial_and_trim(self):
         """Six images are six strokes; a plane halves a ball; what outlines nothing is refused and leaves nothing behind."""
         ball = isopoint.Sculpt(shape=(96, 96, 96), radius=30)

@@ -78,7 +78,15 @@ static iso_status hand_out(iso_status status, iso_sculpt *made, iso_sculpt **scu
     return status;
 }
 
-/* ---- a new ball ---- */
+/* ---- a new solid ---- */
+
+/* A solid in the grid that suits it. */
+static iso_status start_with(const iso_sculpt_opts *opts, iso_journal_start *start, iso_error *error) {
+    const iso_start_solid solid = {opts->solid, opts->size, opts->round};
+    if (opts->radius > 0 || opts->dims[0] || opts->dims[1] || opts->dims[2])
+        return iso_fail(error, ISO_ERR_USAGE, "a size of the solid, and a radius or the grid's dims");
+    return iso_start_with_solid(&solid, opts->voxel_size, start, error);
+}
 
 static iso_journal_start start_of(const iso_sculpt_opts *opts) {
     iso_journal_start start = {.source = "ball", .voxel_size = opts->voxel_size > 0 ? opts->voxel_size : 1};
@@ -103,10 +111,10 @@ static iso_status check_opts(const iso_sculpt_opts *opts, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status make_ball(iso_sculpt *sculpt, const iso_journal_start *start, const iso_session_opts *opts,
-                            iso_error *error) {
+static iso_status make_solid(iso_sculpt *sculpt, const iso_journal_start *start, const iso_session_opts *opts,
+                             iso_error *error) {
     iso_hgrid *grid;
-    ISO_TRY(iso_session_ball(start, &grid, error));
+    ISO_TRY(iso_session_solid(start, &grid, error));
     return begin_session(sculpt, grid, start, opts, error);
 }
 
@@ -114,10 +122,11 @@ iso_status iso_sculpt_create(const iso_sculpt_opts *opts, iso_sculpt **sculpt, i
     iso_sculpt *made = NULL;
     if (!opts) opts = &defaults;
     ISO_TRY(check_opts(opts, error));
-    const iso_journal_start start = start_of(opts);
+    iso_journal_start start = start_of(opts);
+    if (opts->size.x != 0) ISO_TRY(start_with(opts, &start, error));
     const iso_session_opts session = {.journal = opts->journal, .undo_memory = opts->undo_memory};
     ISO_TRY(create(opts, &made, error));
-    return hand_out(make_ball(made, &start, &session, error), made, sculpt);
+    return hand_out(make_solid(made, &start, &session, error), made, sculpt);
 }
 
 /* ---- of a volume ---- */
@@ -156,7 +165,6 @@ iso_status iso_sculpt_from_volume(iso_volume *volume, double isovalue, const iso
 /* Makes the field that the session of a stroke file began with, and starts the session. */
 static iso_status make_start(iso_sculpt *sculpt, const char *path, iso_journal_start *start,
                              const iso_session_opts *opts, iso_error *error) {
-    if (strcmp(start->source, "ball") == 0) return make_ball(sculpt, start, opts, error);
     iso_cell_items paint;
     const iso_source how = {.pool = sculpt->volume.pool, .paint = &paint};
     iso_session_opts with_paint = *opts;
@@ -289,6 +297,10 @@ iso_status iso_sculpt_move(iso_sculpt *sculpt, unsigned first, unsigned last, un
                            iso_error *error) {
     return edit(sculpt, (iso_event){.kind = ISO_EVENT_MOVE, .first = first, .last = last, .before = before},
                 error);
+}
+
+iso_status iso_sculpt_freeze(iso_sculpt *sculpt, iso_volume *volume, double isovalue, iso_error *error) {
+    return iso_source_freeze(sculpt->session, &volume->grid, isovalue, sculpt->volume.pool, error);
 }
 
 iso_status iso_sculpt_set_stamp(iso_sculpt *sculpt, const char *path, iso_error *error) {

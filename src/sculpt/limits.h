@@ -17,6 +17,7 @@
     X(DIMS, "number of voxels along an axis", 1, 2048, "") /* ISO_HGRID_MAX */                               \
     X(ORIGIN, "origin", -1e9, 1e9, "voxels")                                                                 \
     X(BALL, "radius of the ball", 0.01, 1024, "voxels")                                                      \
+    X(SIZE, "size of the solid", 0.01, 4096, "voxels")                                                       \
     X(ISOVALUE, "isovalue", -1e300, 1e300, "")                                                               \
     X(CHECKSUM, "checksum of the source", -2147483648.0, 4294967295.0, "")                                   \
     /* a brush, whatever it comes from; a spacing, aspect or blend of 0 is the default */                    \

@@ -474,6 +474,11 @@ static iso_status open_source(const iso_source *source, iso_journal_start *start
 
 iso_status iso_source_open(const iso_source *source, iso_journal_start *start, iso_hgrid **grid,
                            iso_error *error) {
+    if (!source->path) {
+        if (source->paint) *source->paint = (iso_cell_items){.cell = NULL};
+        ISO_TRY(iso_start_with_solid(source->solid, source->voxel, start, error));
+        return iso_session_solid(start, grid, error);
+    }
     if (!source->input || !source->input->label) return open_source(source, start, grid, error);
     char number[16];
     iso_input input = *source->input;
@@ -506,6 +511,23 @@ iso_status iso_source_find(const char *strokes, const iso_journal_start *start, 
     return iso_fail(error, ISO_ERR_FORMAT,
                     "'%s' is not what it was when the session began (checksum %08x, then %08x)", found, crc,
                     start->source_crc);
+}
+
+/* Makes the solid of a header. With another voxel size the grid keeps its size in mm, rounded up to whole
+ * bricks. */
+static iso_status reopen_solid(const iso_source *how, iso_journal_start *start, iso_hgrid **grid,
+                               iso_error *error) {
+    const double voxel = how->voxel;
+    if (how->paint) *how->paint = (iso_cell_items){.cell = NULL};
+    for (int axis = 0; voxel > 0 && axis < 3; axis++) {
+        const double voxels = ceil(start->dims[axis] * start->voxel_size / voxel / ISO_BRICK) * ISO_BRICK;
+        if (voxels > ISO_HGRID_MAX)
+            return iso_fail(error, ISO_ERR_LIMIT, "voxels of %g mm: %g of them along %c, at most %d", voxel,
+                            voxels, "xyz"[axis], ISO_HGRID_MAX);
+        start->dims[axis] = (int)voxels;
+    }
+    if (voxel > 0) start->voxel_size = voxel;
+    return iso_session_solid(start, grid, error);
 }
 
 static iso_status reopen(const char *strokes, const iso_source *how, iso_journal_start *start,
@@ -546,6 +568,7 @@ static iso_status reopen(const char *strokes, const iso_source *how, iso_journal
  * from the file's header. */
 iso_status iso_source_reopen(const char *strokes, const iso_source *how, iso_journal_start *start,
                              iso_hgrid **grid, iso_error *error) {
+    if (iso_start_has_solid(start)) return reopen_solid(how, start, grid, error);
     iso_status status = reopen(strokes, how, start, grid, error);
     if (status == ISO_OK || !error || iso_progress_cancelled(how->progress)) return status;
     const iso_error reason = *error;

@@ -1,4 +1,4 @@
-/* source: the file that a sculpting session begins with (a level set, a volume at an isovalue, a mesh, lines
+/* source: what a sculpting session begins with (a solid, a level set, a volume at an isovalue, a mesh, lines
  * or points), converted into a field that can be sculpted; and volumes that are viewed before they are
  * sculpted. Used by isosculpt and by the public header's functions for sculpting. */
 #ifndef ISO_SOURCE_SOURCE_H
@@ -15,6 +15,7 @@
 #include "grids/volume/volume.h"
 #include "sculpt/field/cell_items.h"
 #include "sculpt/session/journal.h"
+#include "sculpt/session/session.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -44,8 +45,9 @@ iso_status iso_source_volume_read(const char *path, const iso_input *input, iso_
 void iso_source_volume_free(iso_source_volume *volume); /* NULL is fine */
 
 typedef struct iso_source {
-    const char *path;
-    double isovalue; /* physical; NAN: not given, which is allowed for level sets and meshes */
+    const char *path;             /* NULL: `solid` */
+    const iso_start_solid *solid; /* borrowed */
+    double isovalue;              /* physical; NAN: not given, which is allowed for level sets and meshes */
     double voxel; /* mm; 0: the file's smallest spacing; for meshes and lines 1/256 of their longest side */
     double close_holes;              /* of an open mesh: iso_closing_opts.hole, mm */
     const iso_input *input;          /* how the file is read, borrowed; NULL: default options */
@@ -63,21 +65,22 @@ typedef struct iso_source {
     iso_file_set *files; /* every file that is read is added; or NULL */
 } iso_source;
 
-/* Reads the file, converts it into a field (*grid, the caller's), and fills the journal's header (*start). A
- * level set (.vdb) at its own voxel size is used as it is; a volume is sampled and redistanced; a mesh is
- * closed if it is open (grids/closing/closed_mesh.h), and becomes a distance field; lines (.tck .trk .swc)
- * become the solid of the tubes around them; points (also those of a .ply without triangles) become the solid
- * whose surface they lie on (grids/point_solid.h). All get 32 voxels of room on every side. Parts of the
- * solid are dropped as `input` (or the volume) says. ISO_ERR_USAGE: a volume without an isovalue; else the
- * readers' errors. */
+/* Makes the solid, or reads the file, converts it into a field (*grid, the caller's), and fills the journal's
+ * header (*start). A level set (.vdb) at its own voxel size is used as it is; a volume is sampled and
+ * redistanced; a mesh is closed if it is open (grids/closing/closed_mesh.h), and becomes a distance field;
+ * lines (.tck .trk .swc) become the solid of the tubes around them; points (also those of a .ply without
+ * triangles) become the solid whose surface they lie on (grids/point_solid.h). All get 32 voxels of room on
+ * every side. Parts of the solid are dropped as `input` (or the volume) says. ISO_ERR_USAGE: a volume without
+ * an isovalue; else the readers' errors. */
 iso_status iso_source_open(const iso_source *source, iso_journal_start *start, iso_hgrid **grid,
                            iso_error *error);
 
-/* Makes the field that a stroke file began with, from its header (*start, updated): from the file at the path
- * in the header, or the file of the same name beside the stroke file `strokes`. Only these members of `how`
- * count: voxel (0: the header's), pool, progress, parts, files, input->max_memory and paint, which is empty
- * if the session did not begin with colours. All holes of a mesh are closed, since those that matter were
- * closed when the session began. ISO_ERR_IO: the file is missing; ISO_ERR_FORMAT: its content has changed. */
+/* Makes the field that a stroke file began with, from its header (*start, updated): its solid, or from the
+ * file at the path in the header, or the file of the same name beside the stroke file `strokes`. Only these
+ * members of `how` count: voxel (0: the header's), pool, progress, parts, files, input->max_memory and paint,
+ * which is empty if the session did not begin with colours. All holes of a mesh are closed, since those that
+ * matter were closed when the session began. ISO_ERR_IO: the file is missing; ISO_ERR_FORMAT: its content has
+ * changed. */
 iso_status iso_source_reopen(const char *strokes, const iso_source *how, iso_journal_start *start,
                              iso_hgrid **grid, iso_error *error);
 
@@ -95,6 +98,16 @@ unsigned iso_source_kind(const char *path);
  * isovalue and volume of the source do not count. Errors: those of iso_mesh_read, iso_closed_mesh_create,
  * iso_stamp_from_mesh and iso_grey_picture_read. */
 iso_status iso_source_read_stamp(const iso_source *source, iso_stamp **stamp, iso_error *error);
+
+/* Freezes the voxels of a session's field in the solid that a volume has at an isovalue (physical), as a
+ * stroke with ISO_TOOL_MASK_VOXELS, which needs no volume to be replayed. Beyond the volume nothing is
+ * frozen. `pool` may be NULL. ISO_ERR_EMPTY: nothing is; ISO_ERR_USAGE: a stroke is being drawn;
+ * ISO_ERR_NOMEM. */
+iso_status iso_source_freeze(iso_session *session, const iso_grid *volume, double isovalue, iso_pool *pool,
+                             iso_error *error);
+/* The same of all labels of a segmentation but `own` and the background. */
+iso_status iso_source_freeze_labels(iso_session *session, const iso_grid *volume, int own, iso_pool *pool,
+                                    iso_error *error);
 
 #ifdef __cplusplus
 }

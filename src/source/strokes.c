@@ -22,10 +22,7 @@ iso_status iso_strokes_open(const char *path, const iso_source *how, iso_strokes
     iso_hgrid *grid = NULL;
     *strokes = (iso_strokes){.session = NULL};
     ISO_TRY(iso_journal_open(path, &strokes->start, &strokes->reader, error));
-    if (strcmp(strokes->start.source, "ball") == 0)
-        ISO_TRY(iso_session_ball(&strokes->start, &grid, error));
-    else
-        ISO_TRY(iso_source_reopen(path, &with_paint, &strokes->start, &grid, error));
+    ISO_TRY(iso_source_reopen(path, &with_paint, &strokes->start, &grid, error));
     return iso_session_create(grid, &strokes->start, &opts, &strokes->session, error);
 }
 

@@ -40,7 +40,7 @@ static char *put(const iso_hgrid *grid, const iso_field_items *items, size_t *si
 
 static iso_hgrid *ball(void) {
     iso_hgrid *grid;
-    if (iso_session_ball(&START, &grid, NULL) != ISO_OK) abort();
+    if (iso_session_solid(&START, &grid, NULL) != ISO_OK) abort();
     return grid;
 }
 

@@ -122,7 +122,8 @@ static iso_session *open_session(iso_journal_start start) {
         *origin[axis] = -0.5 * (start.dims[axis] - 1) * start.voxel_size;
     }
     start.radius = 0.3 * SIDE * start.voxel_size;
-    if (iso_session_ball(&start, &grid, NULL) != ISO_OK) abort();
+    if (!iso_start_has_solid(&start)) strcpy(start.source, "ball");
+    if (iso_session_solid(&start, &grid, NULL) != ISO_OK) abort();
     if (iso_session_create(grid, &start, &opts, &session, NULL) != ISO_OK) abort();
     return session;
 }

@@ -35,7 +35,7 @@ typedef struct studio {
 
 static void open_studio(studio *s, iso_gl_context *context) {
     iso_hgrid *grid;
-    assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&START, &grid, NULL), ISO_OK);
     assert_int_equal(iso_session_create(grid, &START, &(iso_session_opts){.pool = NULL}, &s->session, NULL),
                      ISO_OK);
     assert_int_equal(isosculpt_gl_create(context, &s->gl, NULL), ISO_OK);

@@ -40,7 +40,7 @@ static void strokes_row(golden_table *table, const char *path, const char *name,
     iso_session *session = NULL;
     const iso_session_opts opts = {.pool = pool};
     golden_check(iso_journal_open(path, &start, &reader, &error), &error);
-    golden_check(iso_session_ball(&start, &grid, &error), &error);
+    golden_check(iso_session_solid(&start, &grid, &error), &error);
     golden_check(iso_session_create(grid, &start, &opts, &session, &error), &error);
     size_t strokes = 0;
     play(session, reader, &strokes);

@@ -37,7 +37,7 @@ iso_session *session_open(const iso_session_opts *opts) {
     iso_hgrid *grid;
     iso_session *session;
     iso_error error = {0};
-    if (iso_session_ball(&SESSION_START, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
+    if (iso_session_solid(&SESSION_START, &grid, &error) != ISO_OK) fail_msg("%s", error.text);
     if (iso_session_create(grid, &SESSION_START, opts, &session, &error) != ISO_OK)
         fail_msg("%s", error.text);
     return session;
@@ -52,6 +52,9 @@ iso_sample session_random_sample(uint32_t *seed) {
 }
 
 iso_brush session_random_brush(uint32_t *seed, int tools) {
+    /* (No stamp has voxels; blurring comes below, so that the sequence is what it was without both.) */
+    enum { OTHERS = ISO_TOOL_PAINT - ISO_TOOL_BLUR_MASK };
+    if (tools > ISO_TOOL_BLUR_MASK) tools -= OTHERS;
     iso_brush b = {.tool = (iso_tool)(uniform(seed) * tools),
                    .shape = (iso_solid)(uniform(seed) * ISO_SOLID_STAMP),
                    .radius = 0.5 + 4 * uniform(seed),
@@ -59,7 +62,9 @@ iso_brush session_random_brush(uint32_t *seed, int tools) {
                    .symmetry = uniform(seed) < 0.2 ? 5 : 0,
                    .pressure_strength = uniform(seed) < 0.5};
     const unsigned random = (unsigned)(1e6 * b.strength); /* (of its last digits) */
-    b.has_color = tools > ISO_TOOL_PAINT && random % 2;
+    if (b.tool >= ISO_TOOL_BLUR_MASK) b.tool = (iso_tool)(b.tool + OTHERS);
+    if (b.tool == ISO_TOOL_INVERT_MASK && random % 4 < 2) b.tool = ISO_TOOL_BLUR_MASK;
+    b.has_color = tools > ISO_TOOL_BLUR_MASK && random % 2;
     if (b.has_color) b.color = (iso_rgb){(uint8_t)random, (uint8_t)(random / 3), (uint8_t)(random / 7)};
     return b;
 }

@@ -21,7 +21,7 @@ iso_session *viewport_session(iso_pool *pool) {
     iso_hgrid *grid;
     iso_session *session;
     const iso_session_opts opts = {.pool = pool};
-    test_ok(iso_session_ball(&VIEWPORT_START, &grid, &error), &error);
+    test_ok(iso_session_solid(&VIEWPORT_START, &grid, &error), &error);
     test_ok(iso_session_create(grid, &VIEWPORT_START, &opts, &session, &error), &error);
     return session;
 }

@@ -119,7 +119,7 @@ key 2
 stroke 560 300 10 10 # in the frozen part
 picture frozen
 cmp inverted.png frozen.png || fail "what an inverted mask freezes was carved" # (and so there is nothing to undo)
-inverts() { press 80 301; picture twice; ! differ masked twice; }
+inverts() { press 72 301; picture twice; ! differ masked twice; }
 key ctrl+z
 picture undone
 cmp masked.png undone.png || fail "undo of an inverted mask"
@@ -130,7 +130,7 @@ key ctrl+z ctrl+i
 picture inverted_again
 cmp inverted.png inverted_again.png || fail "inverted again: another picture"
 until_ "the button that inverts" inverts
-clears() { press 140 301; picture none; ! differ free none; }
+clears() { press 157 301; picture none; ! differ free none; }
 until_ "the button that clears" clears
 tools | grep -q "invert-mask .*clear-mask .*invert-mask .*clear-mask " || fail "the mask in the stroke file: $(tools)"
 "$bin/isosculpt" --replay "$journal" --headless --quiet --json=replay.json || fail "strokes that change the mask do not play"

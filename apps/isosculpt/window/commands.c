@@ -45,6 +45,7 @@ void isosculpt_window_show_progress(window *w) {
     if (w->load_job)
         add_progress_item(w,
                           w->sculpting                               ? "Making a field of"
+                          : w->resampling                            ? "Resampling"
                           : isosculpt_load_job_is_stamp(w->load_job) ? "Stamp:"
                                                                      : "Opening",
                           isosculpt_load_job_path(w->load_job), tasks[at++]);
@@ -72,12 +73,14 @@ void isosculpt_window_handle_dialog_result(window *w, unsigned results) {
     const isosculpt_dialog dialog = w->screen.dialog;
     char path[ISOSCULPT_PATH];
     if (results & ISOSCULPT_RESULT_RECOVER && isosculpt_window_is_opening(w)) return; /* the dialog stays */
+    if (results & ISOSCULPT_RESULT_NEW && !isosculpt_window_can_begin(w)) return;
     memcpy(path, w->screen.dialog_path, sizeof path);
     w->screen.dialog = ISOSCULPT_DIALOG_NOTHING;
     if (results & ISOSCULPT_RESULT_RECOVER) isosculpt_window_recover(w, path);
     if (results & ISOSCULPT_RESULT_DISMISS) isosculpt_document_dismiss_recovery(path);
     if (results & ISOSCULPT_RESULT_OPEN) isosculpt_window_open_file(w, path, false);
     if (results & ISOSCULPT_RESULT_STAMP) isosculpt_window_open_file(w, path, true);
+    if (results & ISOSCULPT_RESULT_NEW) isosculpt_window_begin(w);
     if (dialog == ISOSCULPT_DIALOG_REPLACE) {
         isosculpt_window_answer_replace(w, results & ISOSCULPT_RESULT_REPLACE);
     } else if (results & ISOSCULPT_RESULT_SAVE) {
@@ -146,6 +149,7 @@ static void process_controller_commands(window *w) {
     if (commands & ISOSCULPT_COMMAND_SAVE) isosculpt_window_request_save(w, ISOSCULPT_BROWSE_SAVE, NULL);
     if (commands & ISOSCULPT_COMMAND_SAVE_AS) w->screen.browse_request = ISOSCULPT_BROWSE_SAVE;
     if (commands & ISOSCULPT_COMMAND_OPEN) w->screen.browse_request = ISOSCULPT_BROWSE_OPEN;
+    if (commands & ISOSCULPT_COMMAND_NEW) isosculpt_window_show_dialog(w, ISOSCULPT_DIALOG_NEW, "");
     if (commands & ISOSCULPT_COMMAND_SCULPT) isosculpt_window_start_sculpting(w);
     w->controller.commands &= ISOSCULPT_COMMAND_REDRAW | ISOSCULPT_COMMAND_CLOSE;
 }
@@ -192,6 +196,7 @@ iso_status isosculpt_window_process_commands(window *w, iso_error *error) {
         isosculpt_window_handle_dialog_result(w, results);
     else if (results & ISOSCULPT_RESULT_OPEN)
         open_typed_path(w);
+    if (results & ISOSCULPT_RESULT_RESAMPLE) isosculpt_window_resample(w);
     if (results & ISOSCULPT_RESULT_CHOSEN) use_chosen_path(w);
     if (results & ISOSCULPT_RESULT_COMMAND) isosculpt_window_copy_command(w);
     process_controller_commands(w);

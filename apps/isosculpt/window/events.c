@@ -156,7 +156,8 @@ static bool answer_dialog(window *w, int key, int meaning) {
                                        ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_PROCEED,
                                    [ISOSCULPT_DIALOG_OPEN] = ISOSCULPT_RESULT_SAVE | ISOSCULPT_RESULT_PROCEED,
                                    [ISOSCULPT_DIALOG_MESH] = ISOSCULPT_RESULT_OPEN,
-                                   [ISOSCULPT_DIALOG_REPLACE] = ISOSCULPT_RESULT_REPLACE};
+                                   [ISOSCULPT_DIALOG_REPLACE] = ISOSCULPT_RESULT_REPLACE,
+                                   [ISOSCULPT_DIALOG_NEW] = ISOSCULPT_RESULT_NEW};
     const isosculpt_dialog dialog = w->screen.dialog;
     if (!dialog) return false;
     if (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER)

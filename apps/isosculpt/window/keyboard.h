@@ -20,9 +20,10 @@
     X("X, C + moving the mouse", "size, strength")                                                           \
     X("E", "the colour under the cursor becomes the brush's")                                                \
     X("Ctrl+I, Alt+M", "invert the mask, clear it")                                                          \
+    X("D", "measure: clicks on the surface say how thick and how far apart places are")                      \
     X("Escape", "take back the stroke, close a list, cancel opening or saving, select no stroke")            \
     X("Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "undo, redo")                                                        \
-    X("Ctrl+O", "open a file")                                                                               \
+    X("Ctrl+O, Ctrl+N", "open a file, begin with a new solid")                                               \
     X("Ctrl+S, Ctrl+Shift+S", "save; save as .vdb (level set), .stl, .ply or .obj (meshes)")                 \
     X("Ctrl+Q", "close")                                                                                     \
     X("M, G", "next method, next engine")                                                                    \

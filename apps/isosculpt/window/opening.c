@@ -55,18 +55,24 @@ static iso_status show_document(window *w, iso_error *error) {
     return ISO_OK;
 }
 
-/* Shows a new ball, with a journal if one can be written. */
-static iso_status show_ball(window *w, iso_error *error) {
-    ISO_TRY(isosculpt_document_new(&w->document, w->has_folder ? w->folder : NULL, NULL, error));
+/* Shows the solid of --new, or a new ball, with a journal if one can be written. */
+static iso_status show_solid(window *w, iso_error *error) {
+    const iso_source source = {.solid = &w->settings->solid, .voxel = w->settings->voxel_size};
+    ISO_TRY(isosculpt_document_new(&w->document, w->has_folder ? w->folder : NULL,
+                                   isosculpt_has_new(w->settings) ? &source : NULL, error));
     return show_document(w, error);
 }
 
 /* Starts the load job that converts the viewed volume into a field at the chosen isovalue. */
 static iso_status start_converting(window *w, iso_error *error) {
+    const isosculpt_see_through *how = &w->viewport.see_through;
+    const isosculpt_freezing second = {.on = true, .isovalue = how->second_isovalue};
+    const bool freezes = how->has_second && w->screen.freeze_second;
     const isosculpt_load_request request = {.path = w->volume->path,
                                             .volume = w->volume,
                                             .folder = w->has_folder ? w->folder : NULL,
                                             .isovalue = w->viewport.isovalue,
+                                            .freezing = freezes ? second : w->freezing,
                                             .voxel = w->settings->voxel_size,
                                             .threads = w->settings->common.threads,
                                             .undo_memory = (size_t)w->settings->undo_memory,
@@ -94,17 +100,20 @@ static iso_status start_opening(window *w, const char *path, bool stamp, iso_err
                                         : path == settings->open ? settings
                                                                  : NULL;
     make_absolute(w->scene.strings ? w->scene.settings.open : path, absolute);
-    const isosculpt_load_request request = {.path = absolute,
-                                            .stamp = stamp,
-                                            .folder = w->has_folder ? w->folder : NULL,
-                                            .isovalue = reading ? reading->isovalue : NAN,
-                                            .voxel = reading ? reading->voxel_size : 0,
-                                            .close_holes = settings->close_holes,
-                                            .input = reading ? reading->common.input : (iso_input){0},
-                                            .threads = settings->common.threads,
-                                            .undo_memory = (size_t)settings->undo_memory,
-                                            .wake = isosculpt_window_wake};
+    const isosculpt_load_request request = {
+        .path = absolute,
+        .stamp = stamp,
+        .folder = w->has_folder ? w->folder : NULL,
+        .isovalue = reading ? reading->isovalue : NAN,
+        .voxel = reading ? reading->voxel_size : 0,
+        .close_holes = settings->close_holes,
+        .freezing = reading && !w->scene.strings ? settings->freezing : (isosculpt_freezing){.on = false},
+        .input = reading ? reading->common.input : (iso_input){0},
+        .threads = settings->common.threads,
+        .undo_memory = (size_t)settings->undo_memory,
+        .wake = isosculpt_window_wake};
     w->agreed_changes = w->document.change_count;
+    w->freezing = request.freezing;
     return isosculpt_load_job_start(&request, &w->load_job, error);
 }
 
@@ -127,7 +136,7 @@ iso_status isosculpt_window_open_first(window *w, iso_error *error) {
     if (settings->recover)
         isosculpt_window_set_status(w, false, "There is nothing to recover: no session was left unclosed.");
     if (settings->open) return open_blank(w, settings->open, error);
-    ISO_TRY(show_ball(w, error));
+    ISO_TRY(show_solid(w, error));
     if (reason.text[0])
         snprintf(w->document.journal_error, sizeof w->document.journal_error, "%s", reason.text);
     return ISO_OK;
@@ -162,7 +171,8 @@ static void apply_scene(window *w) {
 static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *error) {
     const isosculpt_display_mode mode = w->viewport.mode;
     const iso_camera camera = w->viewport.camera;
-    const bool same_camera = w->volume && !loaded->volume && w->sculpting;
+    const bool resampled = loaded->resampled,
+               same_camera = resampled || (w->volume && !loaded->volume && w->sculpting);
     const isosculpt_reference_mode reference_mode = w->viewport.reference_mode;
     const iso_brush brush = w->controller.brush;
     const isosculpt_cut cut = w->viewport.cut;
@@ -180,6 +190,7 @@ static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *er
     w->screen.volume = w->volume = loaded->volume;
     w->screen.isovalue = w->viewport.isovalue;
     w->screen.blank = false;
+    w->screen.asked_voxel = 0;
     w->viewport.mode = mode;
     w->viewport.reference_mode = reference_mode;
     w->viewport.light = light;
@@ -201,6 +212,7 @@ static iso_status show_loaded(window *w, isosculpt_loaded *loaded, iso_error *er
         isosculpt_target_default(w->volume->path, w->document.target); /* shown in the panel */
     }
     adopt_document(w);
+    if (resampled) w->controller.brush = brush;
     if (same_camera)
         apply_queued_strokes(w, &brush, &queued);
     else
@@ -218,7 +230,25 @@ static iso_status keep_document(window *w, bool cancelled, iso_status status, is
     w->screen.blank = false;
     isosculpt_viewport_free(&w->viewport);
     isosculpt_document_close(&w->document);
-    return show_ball(w, error);
+    return show_solid(w, error);
+}
+
+/* Shows the session in its new voxels, which no file holds yet, unless strokes were made meanwhile. */
+static iso_status show_resampled(window *w, isosculpt_loaded *loaded, iso_error *error) {
+    char target[ISOSCULPT_PATH], text[ISOSCULPT_PATH + 120];
+    if (w->document.change_count != w->agreed_changes) {
+        isosculpt_loaded_free(loaded);
+        isosculpt_window_set_status(w, true, "There are new strokes since resampling began: do it again.");
+        return ISO_OK;
+    }
+    memcpy(target, w->document.target, sizeof target);
+    snprintf(text, sizeof text, "In voxels of %.5g mm from now on. Until now: %s",
+             loaded->document.start.voxel_size, w->document.journal);
+    ISO_TRY(show_loaded(w, loaded, error));
+    memcpy(w->document.target, target, sizeof target);
+    w->document.change_count = 1;
+    isosculpt_window_set_status(w, false, text);
+    return ISO_OK;
 }
 
 /* Whether changes were made since the user agreed to lose the unsaved ones. */
@@ -226,7 +256,7 @@ static bool must_ask_again(const window *w) {
     const isosculpt_task *task = isosculpt_load_job_task(w->load_job);
     return isosculpt_window_has_unsaved_changes(w) && w->document.change_count != w->agreed_changes &&
            !isosculpt_task_cancelled(task) && !isosculpt_task_failed(task) &&
-           !isosculpt_load_job_is_stamp(w->load_job);
+           !isosculpt_load_job_is_stamp(w->load_job) && !w->resampling;
 }
 
 /* Ends the conversion of a volume into a field, whether it succeeded or not. */
@@ -251,6 +281,7 @@ iso_status isosculpt_window_finish_opening(window *w, iso_error *error) {
     const bool cancelled = isosculpt_task_cancelled(isosculpt_load_job_task(w->load_job));
     iso_status status = isosculpt_load_job_finish(w->load_job, &loaded, error);
     w->load_job = NULL;
+    w->resampling = false;
     if (status != ISO_OK) {
         end_sculpting(w);
         return keep_document(w, cancelled, status, error);
@@ -259,6 +290,8 @@ iso_status isosculpt_window_finish_opening(window *w, iso_error *error) {
     const bool noted = iso_mesh_report_note(&loaded.report, note, sizeof note);
     if (loaded.stamp)
         isosculpt_controller_set_stamp(&w->controller, loaded.stamp);
+    else if (loaded.resampled)
+        status = show_resampled(w, &loaded, error);
     else
         status = show_loaded(w, &loaded, error);
     if (status == ISO_OK && noted) isosculpt_window_set_status(w, false, note);
@@ -273,6 +306,21 @@ bool isosculpt_window_is_opening(window *w) {
     return w->load_job;
 }
 
+/* Starts the load job for a new session with w->next. */
+static iso_status start_beginning(window *w, iso_error *error) {
+    const isosculpt_load_request request = {.path = iso_solid_name(w->next.solid.kind),
+                                            .solid = w->next.solid,
+                                            .voxel = w->next.voxel,
+                                            .folder = w->has_folder ? w->folder : NULL,
+                                            .isovalue = NAN,
+                                            .threads = w->settings->common.threads,
+                                            .undo_memory = (size_t)w->settings->undo_memory,
+                                            .wake = isosculpt_window_wake};
+    isosculpt_opened_scene_free(&w->scene);
+    w->agreed_changes = w->document.change_count;
+    return isosculpt_load_job_start(&request, &w->load_job, error);
+}
+
 static void open_path(window *w, const char *path, bool stamp) {
     iso_error reason = {0};
     if (isosculpt_window_is_opening(w)) return;
@@ -284,21 +332,63 @@ static void open_path(window *w, const char *path, bool stamp) {
         w->screen.message[0] = 0; /* removes the message of an earlier attempt */
 }
 
-/* Opens a file in place of the current document; asks first about unsaved changes. */
-static void replace_document(window *w, const char *path) {
+/* Opens next_path, or begins with `next`. */
+static void open_next(window *w) {
+    iso_error reason = {0};
+    if (!(w->next.solid.size.x > 0))
+        open_path(w, w->next_path, false);
+    else if (!isosculpt_window_is_opening(w) && start_beginning(w, &reason) != ISO_OK)
+        isosculpt_window_set_status(w, true, reason.text);
+}
+
+/* Opens a file, or begins with a solid, in place of the document; asks first about unsaved changes. */
+static void replace_document(window *w, const char *path, const isosculpt_new *next) {
     if (isosculpt_window_is_opening(w)) return;
     snprintf(w->next_path, sizeof w->next_path, "%s", path);
+    w->next = next ? *next : (isosculpt_new){.voxel = 0};
     if (isosculpt_window_has_unsaved_changes(w))
         isosculpt_window_show_dialog(w, ISOSCULPT_DIALOG_OPEN, w->next_path);
     else
-        open_path(w, w->next_path, false);
+        open_next(w);
+}
+
+static iso_status start_resampling(window *w, iso_error *error) {
+    const isosculpt_load_request request = {.path = w->document.journal,
+                                            .resample = true,
+                                            .voxel = w->screen.asked_voxel,
+                                            .folder = w->has_folder ? w->folder : NULL,
+                                            .isovalue = NAN,
+                                            .threads = w->settings->common.threads,
+                                            .undo_memory = (size_t)w->settings->undo_memory,
+                                            .wake = isosculpt_window_wake};
+    ISO_TRY(iso_session_sync(w->document.session, error));
+    w->agreed_changes = w->document.change_count;
+    return isosculpt_load_job_start(&request, &w->load_job, error);
+}
+
+void isosculpt_window_resample(window *w) {
+    iso_error reason = {0};
+    if (isosculpt_window_is_opening(w) || w->controller.drag) return;
+    w->resampling = start_resampling(w, &reason) == ISO_OK;
+    if (!w->resampling) isosculpt_window_set_status(w, true, reason.text);
+}
+
+bool isosculpt_window_can_begin(const window *w) {
+    iso_journal_start start;
+    return iso_start_with_solid(&w->screen.asked.solid, w->screen.asked.voxel, &start, NULL) == ISO_OK;
+}
+
+void isosculpt_window_begin(window *w) {
+    char name[32];
+    snprintf(name, sizeof name, "A new %s", iso_solid_name(w->screen.asked.solid.kind));
+    replace_document(w, name, &w->screen.asked);
 }
 
 void isosculpt_window_open_file(window *w, const char *path, bool stamp) {
     if (stamp)
         open_path(w, path, true);
     else
-        replace_document(w, path);
+        replace_document(w, path, NULL);
 }
 
 void isosculpt_window_recover(window *w, const char *journal) {
@@ -309,7 +399,7 @@ void isosculpt_window_confirm_open(window *w) {
     if (w->load_job)
         w->agreed_changes = w->document.change_count; /* the file is loaded already */
     else
-        open_path(w, w->next_path, false);
+        open_next(w);
 }
 
 void isosculpt_window_reject_open(window *w) {
@@ -326,7 +416,7 @@ void isosculpt_window_drop(window *w, const char *path) {
     else if (iso_source_kind(path) == ISO_HOLDS_MESH && !w->volume && !w->screen.blank)
         isosculpt_window_show_dialog(w, ISOSCULPT_DIALOG_MESH, path);
     else
-        replace_document(w, path);
+        replace_document(w, path, NULL);
 }
 
 void isosculpt_window_start_sculpting(window *w) {

@@ -11,6 +11,14 @@ iso_status isosculpt_window_open_first(window *w, iso_error *error);
  * changes. */
 void isosculpt_window_open_file(window *w, const char *path, bool stamp);
 
+/* Begins a new session with w->screen.asked; asks first about unsaved changes. _can_: whether there is such a
+ * solid; the dialog says why not. */
+bool isosculpt_window_can_begin(const window *w);
+void isosculpt_window_begin(window *w);
+
+/* Starts to play all strokes in voxels of w->screen.asked_voxel; their file stays as it is. */
+void isosculpt_window_resample(window *w);
+
 /* Starts to open a journal for recovery. A new ball without changes is replaced without asking. */
 void isosculpt_window_recover(window *w, const char *journal);
 

@@ -219,13 +219,21 @@ static void choose_brush(isosculpt_controller *controller, iso_brush *brush) {
 
 /* The buttons for the whole mask, and for trimming. */
 static void change_mask(isosculpt_controller *controller, iso_brush *brush) {
-    const button_row row("Invert maskClear maskB lineA lasso", 4);
-    if (ImGui::Button("Invert mask")) isosculpt_controller_change_mask(controller, ISO_TOOL_INVERT_MASK);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Freezes what is free, and frees the rest.\nKey: Ctrl+I");
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted("mask");
+    ImGui::SameLine();
+    const button_row row("InvertBlurClearB lineA lasso", 5);
+    if (ImGui::Button("Invert")) isosculpt_controller_change_mask(controller, ISO_TOOL_INVERT_MASK);
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("The mask: freezes what is free, and frees the rest.\nKey: Ctrl+I");
     row.next();
     ImGui::BeginDisabled(!iso_session_has_mask(controller->document->session));
-    if (ImGui::Button("Clear mask")) isosculpt_controller_change_mask(controller, ISO_TOOL_CLEAR_MASK);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Frees everything.\nKey: Alt+M");
+    if (ImGui::Button("Blur")) isosculpt_controller_change_mask(controller, ISO_TOOL_BLUR_MASK);
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("Smooths the border of the mask, over the brush's radius (16 voxels at most).");
+    row.next();
+    if (ImGui::Button("Clear")) isosculpt_controller_change_mask(controller, ISO_TOOL_CLEAR_MASK);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The mask: frees everything.\nKey: Alt+M");
     ImGui::EndDisabled();
     for (int i = BRUSHES_IN_GRID; i < ISOSCULPT_TOOLS; i++) {
         row.next();
@@ -412,7 +420,8 @@ static void draw_latency_row(const char *name, const isosculpt_latency *latency)
     }
 }
 
-static void draw_numbers_section(isosculpt_controller *controller) {
+/* resampling: the screen, where the field can be resampled; else NULL. */
+static void draw_numbers_section(isosculpt_controller *controller, isosculpt_screen *resampling) {
     const iso_grid *grid = &controller->viewport->grid;
     const int *dims = iso_grid_dims(grid);
     ImGui::Text("%d x %d x %d voxels of %.4g mm", dims[0], dims[1], dims[2],
@@ -422,6 +431,7 @@ static void draw_numbers_section(isosculpt_controller *controller) {
                     1e-6 * ISO_BRICK_VOXELS * (double)iso_hgrid_brick_count(grid->hgrid),
                     1e-6 * (double)iso_hgrid_bytes(grid->hgrid));
     ImGui::Text("%.2f M points", 1e-6 * (double)isosculpt_viewport_point_count(controller->viewport));
+    if (resampling) panel_draw_resampling(resampling);
     if (!ImGui::BeginTable("latency", 3, ImGuiTableFlags_RowBg)) return;
     ImGui::TableSetupColumn("milliseconds", ImGuiTableColumnFlags_WidthStretch, 2);
     ImGui::TableSetupColumn("p50", ImGuiTableColumnFlags_WidthStretch, 1);
@@ -454,9 +464,11 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
         draw_history_section(screen->controller, panel->scale);
     if (ImGui::CollapsingHeader("Cut and light")) panel_draw_cut(screen);
     if (screen->volume && ImGui::CollapsingHeader("Colour by data")) panel_draw_colors(screen);
-    if (ImGui::CollapsingHeader("Numbers")) draw_numbers_section(screen->controller);
+    if (ImGui::CollapsingHeader("Numbers"))
+        draw_numbers_section(screen->controller, viewing_volume ? nullptr : screen);
     if (!viewing_volume && ImGui::CollapsingHeader("Strokes"))
         panel_draw_strokes(screen->controller, panel->scale);
+    if (!viewing_volume) panel_draw_measure(screen->controller);
     ImGui::PopItemWidth();
     panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
     ImGui::End();
@@ -619,6 +631,12 @@ static void draw_replace_dialog(isosculpt_screen *screen) {
     ImGui::EndPopup();
 }
 
+static void draw_new_dialog(isosculpt_screen *screen, float scale) {
+    if (!begin_dialog("New", screen->dialog == ISOSCULPT_DIALOG_NEW)) return;
+    panel_draw_new_dialog(screen, scale);
+    ImGui::EndPopup();
+}
+
 /* ---- the browser */
 
 /* Opens the browser: at the folder in the input box, or at the target, with the file's name in the box. */
@@ -667,6 +685,7 @@ static void draw_all(isosculpt_panel *panel, isosculpt_screen *screen) {
     draw_open_dialog(screen);
     draw_mesh_dialog(screen);
     draw_replace_dialog(screen);
+    draw_new_dialog(screen, panel->scale);
     draw_browser(panel, screen);
     const isosculpt_controller *controller = screen->controller;
     const bool over =

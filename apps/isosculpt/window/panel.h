@@ -19,7 +19,8 @@ typedef enum isosculpt_dialog {
     ISOSCULPT_DIALOG_CLOSE,   /* close with unsaved changes? */
     ISOSCULPT_DIALOG_OPEN,    /* open `dialog_path`, with unsaved changes? */
     ISOSCULPT_DIALOG_MESH,    /* open the mesh `dialog_path`, or use it as a stamp? */
-    ISOSCULPT_DIALOG_REPLACE  /* overwrite the file `dialog_path`? */
+    ISOSCULPT_DIALOG_REPLACE, /* overwrite the file `dialog_path`? */
+    ISOSCULPT_DIALOG_NEW      /* which solid to begin with? */
 } isosculpt_dialog;
 
 /* What the user chose in a dialog or in the panel, as bits of isosculpt_screen.results. */
@@ -33,10 +34,18 @@ enum {
     ISOSCULPT_RESULT_STAMP = 64, /* use `dialog_path` as a stamp */
     ISOSCULPT_RESULT_CANCEL =
         128, /* cancel progress_items[0]; twice this value (256): progress_items[1] ... */
-    ISOSCULPT_RESULT_REPLACE = 1024, /* overwrite the file */
-    ISOSCULPT_RESULT_CHOSEN = 2048,  /* `chosen_path` was chosen in the browser, for `chosen_purpose` */
-    ISOSCULPT_RESULT_COMMAND = 4096  /* copy the isorender command to the clipboard */
+    ISOSCULPT_RESULT_REPLACE = 1024,  /* overwrite the file */
+    ISOSCULPT_RESULT_CHOSEN = 2048,   /* `chosen_path` was chosen in the browser, for `chosen_purpose` */
+    ISOSCULPT_RESULT_COMMAND = 4096,  /* copy the isorender command to the clipboard */
+    ISOSCULPT_RESULT_NEW = 8192,      /* begin with `asked` */
+    ISOSCULPT_RESULT_RESAMPLE = 16384 /* go on in voxels of `asked_voxel` */
 };
+
+/* What the dialog for a new session asks for. */
+typedef struct isosculpt_new {
+    iso_start_solid solid;
+    double voxel; /* mm; 0: what suits the solid */
+} isosculpt_new;
 
 /* A background task that is running. */
 typedef struct isosculpt_progress_item {
@@ -58,6 +67,8 @@ typedef struct isosculpt_screen {
     bool blank;                       /* nothing is open yet */
     isosculpt_dialog dialog;
     char dialog_path[ISOSCULPT_PATH];
+    isosculpt_new asked;
+    double asked_voxel; /* mm, in the box of the section of numbers; 0: not asked for */
     isosculpt_progress_item progress_items[ISOSCULPT_PROGRESS_ITEMS];
     int progress_item_count;
     char typed_path[ISOSCULPT_PATH]; /* in the panel's input box */
@@ -70,6 +81,7 @@ typedef struct isosculpt_screen {
                                        session */
     bool reference_pending;          /* the reference is being made */
     bool sculpting;                  /* the volume is being converted into a field */
+    bool freeze_second;              /* what the second surface encloses is frozen in the sculpture */
     double isovalue;                 /* of the volume, physical, as chosen in the panel */
     bool isovalue_dragged;           /* the user is dragging the isovalue or the second one in this frame */
     bool second_line_dragged;        /* the line of the histogram that was dragged last is the second one */

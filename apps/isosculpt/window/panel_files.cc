@@ -13,14 +13,17 @@ static void draw_browse_button(isosculpt_screen *screen, const char *label, isos
 /* The input box for a file to open, with its buttons; Enter opens the file. */
 static void draw_path_box(isosculpt_screen *screen) {
     const ImGuiStyle &style = ImGui::GetStyle();
-    const float buttons = ImGui::CalcTextSize("Open...Help").x + 4 * style.FramePadding.x;
-    ImGui::SetNextItemWidth(-buttons - 2 * style.ItemSpacing.x);
+    const float buttons = ImGui::CalcTextSize("New...Open...Help").x + 6 * style.FramePadding.x;
+    ImGui::SetNextItemWidth(-buttons - 3 * style.ItemInnerSpacing.x);
     const bool enter =
                    ImGui::InputTextWithHint("##path", "a file to open", screen->typed_path,
                                             sizeof screen->typed_path, ImGuiInputTextFlags_EnterReturnsTrue),
                entered = ImGui::IsItemActive() && screen->browser.typed.enter;
     if ((enter || entered) && screen->typed_path[0]) screen->results |= ISOSCULPT_RESULT_OPEN;
-    ImGui::SameLine();
+    ImGui::SameLine(0, style.ItemInnerSpacing.x);
+    if (ImGui::Button("New...")) screen->controller->commands |= ISOSCULPT_COMMAND_NEW;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("a sphere, box, capsule, cylinder or torus (Ctrl+N)");
+    ImGui::SameLine(0, style.ItemInnerSpacing.x);
     if (ImGui::Button("Open...")) {
         if (screen->typed_path[0])
             screen->results |= ISOSCULPT_RESULT_OPEN;
@@ -28,7 +31,7 @@ static void draw_path_box(isosculpt_screen *screen) {
             screen->browse_request = ISOSCULPT_BROWSE_OPEN;
     }
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("what is in the box, or a file to choose (Ctrl+O)");
-    ImGui::SameLine();
+    ImGui::SameLine(0, style.ItemInnerSpacing.x);
     if (ImGui::Button("Help")) screen->help = !screen->help;
 }
 

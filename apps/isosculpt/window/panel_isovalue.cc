@@ -187,6 +187,10 @@ static bool choose_second(isosculpt_screen *screen) {
     if (!how->has_second) return changed;
     ImGui::SameLine();
     changed |= panel_edit_color("colour", &how->second_color);
+    ImGui::SameLine();
+    ImGui::Checkbox("freeze", &screen->freeze_second);
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("What it encloses is frozen in the sculpture: brushes leave the bone as it is.");
     screen->isovalue_dragged |=
         slide_in_color("second", SECOND, &how->second_isovalue, histogram->low, histogram->high, "%.6g");
     changed |= slide("opacity##second", &how->second_opacity, LEAST_OPACITY, 1, "%.2f");

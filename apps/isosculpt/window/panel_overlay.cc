@@ -1,5 +1,6 @@
 /* The picture, and over it the brush's ring, the mirror planes, queued and selected strokes. */
 #include <cmath>
+#include <cstdio>
 
 #include "apps/isosculpt/viewport/mirror_line.h"
 #include "apps/isosculpt/window/panel_parts.hpp"
@@ -39,7 +40,9 @@ void panel_draw_brush(const isosculpt_screen *screen, float scale) {
     const isosculpt_controller *controller = screen->controller;
     isosculpt_pick pick;
     double x, y;
-    if (iso_tool_is_trim(controller->brush.tool) || !isosculpt_controller_pick(controller, &pick)) return;
+    if (controller->measuring.on || iso_tool_is_trim(controller->brush.tool) ||
+        !isosculpt_controller_pick(controller, &pick))
+        return;
     static iso_brush_image images[ISO_IMAGES_MOST];
     const int count = iso_brush_images(&controller->brush, images);
     for (int i = 1; i < count; i++)
@@ -203,6 +206,45 @@ static void draw_outline(const isosculpt_screen *screen, ImDrawList *list, float
     }
 }
 
+/* Draws a text on a dark ground, centred below a place of the window. */
+static void draw_label(ImDrawList *list, ImVec2 at, const char *text, ImU32 color, float scale) {
+    const ImVec2 size = ImGui::CalcTextSize(text), from(at.x - size.x / 2, at.y + 8 * scale);
+    list->AddRectFilled(ImVec2(from.x - 4 * scale, from.y),
+                        ImVec2(from.x + size.x + 4 * scale, from.y + size.y), IM_COL32(0, 0, 0, 160),
+                        3 * scale);
+    list->AddText(from, color, text);
+}
+
+/* Draws the places that are measured: how thick it is at a single one, how far apart two are. */
+static void draw_measured(const isosculpt_screen *screen, ImDrawList *list, float scale) {
+    const isosculpt_measuring *measuring = &screen->controller->measuring;
+    const ImU32 color = IM_COL32(120, 230, 255, 255), dark = IM_COL32(0, 0, 0, 160);
+    const bool pair = measuring->count == 2;
+    ImVec2 at[2];
+    char length[40], text[64];
+    double x, y;
+    for (int i = 0; i < measuring->count; i++) {
+        if (!isosculpt_pick_buffer_pixel(&screen->controller->viewport->drawn, measuring->place[i].position,
+                                         &x, &y))
+            return;
+        at[i] = to_window(screen, x, y);
+    }
+    if (pair) {
+        list->AddLine(at[0], at[1], dark, 4 * scale);
+        list->AddLine(at[0], at[1], color, 2 * scale);
+    }
+    for (int i = 0; i < measuring->count; i++) {
+        list->AddCircleFilled(at[i], 5 * scale, color);
+        list->AddCircle(at[i], 5 * scale, dark, 0, scale);
+    }
+    if (!measuring->count) return;
+    isosculpt_length_text(pair ? isosculpt_measuring_distance(measuring) : measuring->place[0].thickness,
+                          length, sizeof length);
+    snprintf(text, sizeof text, "%s%s", pair ? "" : "thickness ", length);
+    draw_label(list, pair ? ImVec2((at[0].x + at[1].x) / 2, (at[0].y + at[1].y) / 2) : at[0], text, color,
+               scale);
+}
+
 void panel_draw_picture(const isosculpt_screen *screen, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
     const isosculpt_controller *controller = screen->controller;
@@ -220,5 +262,6 @@ void panel_draw_picture(const isosculpt_screen *screen, float scale) {
         draw_path(screen, list, stroke->samples, stroke->count, IM_COL32(255, 255, 255, 190), scale);
     }
     draw_selected(screen, list, scale);
+    if (controller->measuring.on) draw_measured(screen, list, scale);
     if (controller->drag == ISOSCULPT_DRAG_OUTLINE) draw_outline(screen, list, scale);
 }

@@ -53,9 +53,14 @@ void panel_draw_colors(isosculpt_screen *screen);
 void panel_draw_files(isosculpt_screen *screen);
 void panel_draw_cut(isosculpt_screen *screen);
 void panel_draw_reference(isosculpt_screen *screen);
+void panel_draw_measure(isosculpt_controller *controller); /* panel_measure.cc */
 void panel_draw_strokes(isosculpt_controller *controller, float scale);
 /* Above the widgets of the brush: which stroke they change. Returns it, NULL: the strokes to come. */
 const iso_stroke *panel_draw_stroke_title(isosculpt_controller *controller);
+
+/* The contents of the dialog for a new session, and the box for another voxel size (panel_new.cc). */
+void panel_draw_resampling(isosculpt_screen *screen);
+void panel_draw_new_dialog(isosculpt_screen *screen, float scale);
 
 /* A field that shows a colour and changes it; returns whether it was changed. */
 bool panel_edit_color(const char *label, iso_rgb *color);

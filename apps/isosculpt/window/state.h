@@ -50,9 +50,12 @@ typedef struct window {
     isosculpt_load_job *load_job;           /* a file is being opened; or NULL */
     isosculpt_opened_scene scene;           /* that it is the input of, and to be shown as; zero: of none */
     char next_path[ISOSCULPT_PATH];         /* path to be opened if the user agrees to lose unsaved changes */
+    isosculpt_new next;                     /* what to begin with then instead; solid.size.x = 0: next_path */
     size_t agreed_changes;                  /* document.change_count that the user agreed to lose */
     isosculpt_reference_job *reference_job; /* the reference is being made; or NULL */
+    bool resampling;                        /* load_job plays the strokes in other voxels */
     bool sculpting;                         /* load_job converts the viewed volume into a field */
+    isosculpt_freezing freezing;            /* of what was opened, by --freeze */
     bool sculpting_to_save;                 /* it does so because a save was requested */
     bool stamp_loaded;                      /* the mesh of --stamp was opened, or tried */
 

@@ -128,11 +128,13 @@ static iso_status run_window(window *w, iso_error *error) {
 }
 
 iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, iso_error *error) {
-    window w = {
-        .settings = settings,
-        .pool = pool,
-        .screen = {
-            .controller = &w.controller, .panel = true, .pixels = 1, .references = &settings->references}};
+    window w = {.settings = settings,
+                .pool = pool,
+                .screen = {.controller = &w.controller,
+                           .asked = {.solid = {ISO_SOLID_SPHERE, {80, 80, 80}, 0}},
+                           .panel = true,
+                           .pixels = 1,
+                           .references = &settings->references}};
     w.document.pool = pool;
     w.document.undo_memory = (size_t)settings->undo_memory;
     if (!glfwInit()) return fail_window(error, "no window system");

@@ -40,6 +40,8 @@ extern "C" {
     X(UNMASK, "unmask")           /* unfreezes them */                                                       \
     X(CLEAR_MASK, "clear-mask")   /* at a stroke's first sample: unfreezes all voxels of the grid */         \
     X(INVERT_MASK, "invert-mask") /* the same: freezes the voxels that are not frozen, unfreezes the rest */ \
+    X(BLUR_MASK, "blur-mask")     /* the same: smooths the mask's border (sculpt/edit/mask_rewrite.h) */     \
+    X(MASK_VOXELS, "mask-voxels") /* the same: freezes those of the stamp (brush/voxel_set.h) */             \
     X(PAINT, "paint")             /* lays a colour over the surface (sculpt/edit/painter.h) */               \
     X(TRIM_PLANE, "trim-plane")   /* removes what is on one side of a plane (sculpt/brush/outline.h) */      \
     X(TRIM_LASSO, "trim-lasso")   /* removes what is within an outline */                                    \

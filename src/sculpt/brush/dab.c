@@ -14,7 +14,7 @@ bool iso_tool_is_set_operation(iso_tool tool) {
 }
 
 bool iso_tool_is_whole_mask(iso_tool tool) {
-    return tool == ISO_TOOL_CLEAR_MASK || tool == ISO_TOOL_INVERT_MASK;
+    return tool >= ISO_TOOL_CLEAR_MASK && tool <= ISO_TOOL_MASK_VOXELS;
 }
 
 bool iso_tool_is_warp(iso_tool tool) {

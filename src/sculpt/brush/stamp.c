@@ -38,6 +38,7 @@ void iso_stamp_free(iso_stamp *stamp) {
     if (!stamp || __atomic_sub_fetch(&stamp->owners, 1, __ATOMIC_ACQ_REL)) return;
     for (int i = 0; i < stamp->count; i++) iso_hgrid_destroy(stamp->level[i]);
     iso_free(stamp->heights.value);
+    iso_voxel_set_free(&stamp->voxels);
     iso_free(stamp);
 }
 
@@ -271,7 +272,42 @@ iso_status iso_stamp_parse_picture(const char *name, int width, int height, cons
     return status;
 }
 
+iso_status iso_stamp_from_voxels(const char *name, const iso_voxel_set *set, iso_stamp **out,
+                                 iso_error *error) {
+    iso_voxel_set taken = *set;
+    iso_stamp *stamp = allocate_stamp(name);
+    if (!stamp) {
+        iso_voxel_set_free(&taken);
+        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stamp");
+    }
+    stamp->voxels = taken;
+    *out = stamp;
+    return ISO_OK;
+}
+
+iso_status iso_stamp_parse_voxels(const char *name, const iso_voxel_set *frame, const char *text,
+                                  iso_stamp **stamp, iso_error *error) {
+    iso_voxel_set set = *frame;
+    ISO_TRY(iso_voxel_set_init(&set, error));
+    size_t size;
+    uint8_t *bytes = decode(text, &size);
+    const bool sound = bytes && iso_voxel_set_unpack(bytes, size, &set);
+    free(bytes);
+    if (sound) return iso_stamp_from_voxels(name, &set, stamp, error);
+    iso_voxel_set_free(&set);
+    return iso_fail(error, ISO_ERR_FORMAT, "the stamp is damaged");
+}
+
+static char *voxels_text(const iso_voxel_set *set) {
+    size_t size;
+    uint8_t *bytes = iso_voxel_set_pack(set, &size);
+    char *text = bytes ? encode(bytes, size) : NULL;
+    free(bytes);
+    return text;
+}
+
 char *iso_stamp_text(const iso_stamp *stamp) {
+    if (stamp->voxels.word) return voxels_text(&stamp->voxels);
     if (stamp->heights.value) return picture_text(&stamp->heights);
     char *bytes = NULL, *text = NULL;
     size_t size = 0;

@@ -1,6 +1,6 @@
 /* stamp: a mesh as the solid of a brush (ISO_SOLID_STAMP), stored as distance fields of several resolutions,
- * or a picture of heights that weigh what a brush does (iso_brush.alpha). Its longest side extends from -1 to
- * 1 and is scaled by the brush's radius.
+ * or a picture of heights that weigh what a brush does (iso_brush.alpha), whose longest side extends from -1
+ * to 1 and is scaled by the brush's radius; or voxels to freeze, which are where they are.
  *
  * A journal contains the distance fields or heights, not the mesh or picture. A stroke file therefore needs
  * no other file, and replays the same whichever version converted the mesh. */
@@ -11,6 +11,7 @@
 #include "base/progress.h"
 #include "grids/closing/closed_mesh.h"
 #include "grids/hgrid.h"
+#include "sculpt/brush/voxel_set.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -34,8 +35,9 @@ typedef struct iso_heights {
 typedef struct iso_stamp {
     char name[ISO_STAMP_NAME];          /* the mesh's file name, for display */
     iso_hgrid *level[ISO_STAMP_LEVELS]; /* coarse to fine; levels in which nothing is inside are left out */
-    int count;                          /* number of levels, at least 1; 0: it is a picture */
+    int count;                          /* number of levels, at least 1; 0: it is a picture, or voxels */
     iso_heights heights;
+    iso_voxel_set voxels;
     int owners; /* number of owners; changed atomically */
 } iso_stamp;
 
@@ -51,6 +53,10 @@ iso_status iso_stamp_from_mesh(const char *path, const iso_closed_mesh *mesh, is
 iso_status iso_stamp_from_picture(const char *path, int width, int height, const uint16_t *values,
                                   iso_stamp **stamp, iso_error *error);
 
+/* Makes a stamp of voxels, whose bits it takes over, also when it fails. ISO_ERR_NOMEM. */
+iso_status iso_stamp_from_voxels(const char *name, const iso_voxel_set *set, iso_stamp **stamp,
+                                 iso_error *error);
+
 /* Adds an owner; each owner calls iso_stamp_free. Both accept NULL and are thread-safe. */
 iso_stamp *iso_stamp_share(iso_stamp *stamp);
 void iso_stamp_free(iso_stamp *stamp);
@@ -59,14 +65,17 @@ void iso_stamp_free(iso_stamp *stamp);
  * brush of this radius (in voxels of the grid); if there is none, the coarsest level. Owned by the stamp. */
 const iso_hgrid *iso_stamp_level(const iso_stamp *stamp, double radius_voxels);
 
-/* Returns the levels of a mesh, or the values of a picture, as base 64 text, for journals; malloc'ed (free).
- * NULL: out of memory. */
+/* Returns the levels of a mesh, the values of a picture, or runs of voxels, as base 64 text, for journals;
+ * malloc'ed (free). NULL: out of memory. */
 char *iso_stamp_text(const iso_stamp *stamp);
 /* Makes a stamp from such a text; its distances are the same to the bit. ISO_ERR_FORMAT: the text is damaged;
  * ISO_ERR_NOMEM. */
 iso_status iso_stamp_parse(const char *name, const char *text, iso_stamp **stamp, iso_error *error);
 iso_status iso_stamp_parse_picture(const char *name, int width, int height, const char *text,
                                    iso_stamp **stamp, iso_error *error);
+/* `frame`: a set without bits, within the bounds of limits.h. */
+iso_status iso_stamp_parse_voxels(const char *name, const iso_voxel_set *frame, const char *text,
+                                  iso_stamp **stamp, iso_error *error);
 
 #ifdef __cplusplus
 }

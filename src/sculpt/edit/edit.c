@@ -1,6 +1,6 @@
 /* The editor: turns a touch into dabs in voxels (brush_to_voxels.c, area_plane.h), lists the cells they
  * reach, runs the brush's kernel on each (dab.h), then redistances and commits them (transaction.h). The
- * tools MASK, UNMASK, CLEAR_MASK and INVERT_MASK change only the mask, PAINT only the paint (painter.h). */
+ * tools MASK to MASK_VOXELS change only the mask, PAINT only the paint (painter.h). */
 #include "sculpt/edit/edit.h"
 
 #include <math.h>
@@ -9,6 +9,7 @@
 #include "base/numbers.h"
 #include "sculpt/edit/area_plane.h"
 #include "sculpt/edit/editor.h"
+#include "sculpt/edit/mask_rewrite.h"
 #include "sculpt/edit/transaction.h"
 #include "sculpt/field/crease.h"
 #include "sculpt/limits.h"
@@ -511,6 +512,37 @@ static iso_status change_whole_mask(iso_editor *editor, iso_tool tool, iso_error
     return status;
 }
 
+static iso_status write_blurred(iso_editor *editor, const iso_mask_cell *cells, size_t count,
+                                iso_error *error) {
+    iso_mask *mask = mask_of(editor);
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < count && status == ISO_OK; i++) {
+        status = notify_item_observer(editor, ISO_ITEM_MASK, cells[i].cell, error);
+        if (status == ISO_OK) status = iso_cell_items_reserve(mask, cells[i].cell, error);
+    }
+    for (size_t i = 0; i < count; i++)
+        iso_cell_items_set(mask, cells[i].cell,
+                           status == ISO_OK ? &cells[i].bits : iso_mask_bits(mask, cells[i].cell), NULL);
+    return status;
+}
+
+/* Smooths the mask's border, or freezes the stamp's voxels. If it fails, the mask is as before. */
+static iso_status rewrite_mask(iso_editor *editor, const iso_dabs *dabs, iso_error *error) {
+    const int reach = (int)fmax(1, fmin(round((double)dabs->radius_voxels), ISO_MASK_BLUR_MOST));
+    const iso_hgrid *grid = editor->transaction.grid;
+    iso_mask *mask = mask_of(editor);
+    iso_buffer changed = {0};
+    size_t count = 0, looked_at = 0;
+    iso_status status = dabs->tool == ISO_TOOL_BLUR_MASK
+                            ? iso_mask_blur(mask, grid, reach, &changed, &count, &looked_at, error)
+                            : iso_mask_add_voxels(mask, grid, &editor->opts.stamp->voxels, &changed, &count,
+                                                  &looked_at, error);
+    editor->cost += (double)mask->cells / 64 + (double)looked_at;
+    if (status == ISO_OK) status = write_blurred(editor, changed.data, count, error);
+    iso_buffer_free(&changed);
+    return status;
+}
+
 static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                               iso_error *error) {
     ISO_TRY(iso_brush_check(brush, error));
@@ -528,6 +560,8 @@ static iso_status check_touch(const iso_editor *editor, const iso_brush *brush, 
     const iso_stamp *stamp = editor->opts.stamp;
     if (brush->alpha != ISO_ALPHA_NONE && iso_tool_has_alpha(brush->tool) && !(stamp && stamp->heights.value))
         return iso_fail(error, ISO_ERR_USAGE, "a brush with an alpha needs a picture as its stamp");
+    if (brush->tool == ISO_TOOL_MASK_VOXELS && !(stamp && stamp->voxels.word))
+        return iso_fail(error, ISO_ERR_USAGE, "there are no voxels to freeze");
     if (brush->shape == ISO_SOLID_STAMP && iso_tool_is_set_operation(brush->tool) && !(stamp && stamp->count))
         return iso_fail(error, ISO_ERR_USAGE, "a stamp needs a shape of its own");
     return ISO_OK;
@@ -614,6 +648,8 @@ iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const is
     make_dabs(editor, brush, touch, &dabs);
     if (brush->tool == ISO_TOOL_MASK || brush->tool == ISO_TOOL_UNMASK)
         status = touch_mask(editor, &dabs, error);
+    else if (brush->tool == ISO_TOOL_BLUR_MASK || brush->tool == ISO_TOOL_MASK_VOXELS)
+        status = rewrite_mask(editor, &dabs, error);
     else if (iso_tool_is_whole_mask(brush->tool))
         status = change_whole_mask(editor, brush->tool, error);
     else if (brush->tool == ISO_TOOL_PAINT)

@@ -72,7 +72,7 @@ typedef struct iso_cell_box {
 } iso_cell_box;
 /* Finds all cells that the touch and the end of its stroke can read or write, in this grid: those of the
  * brush's influence and two more around them (a touch lists neighbours of the cells that it edits, and reads
- * the neighbours of those). Returns the number of ranges. CLEAR_MASK and INVERT_MASK also read and write the
+ * the neighbours of those). Returns the number of ranges. CLEAR_MASK to MASK_VOXELS also read and write the
  * mask of every cell. */
 int iso_editor_ranges(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                       iso_cell_box ranges[ISO_EDITOR_RANGES]);

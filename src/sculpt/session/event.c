@@ -46,15 +46,19 @@ char *iso_event_header_text(const iso_journal_start *start) {
     const bool plain = !start->reading[0] && (start->isovalue == 0 || start->voxel_isovalue);
     json_t *header =
         json_pack("{ss si ss si sf s[iii] so sf sf}", "format", FORMAT, "version",
-                  start->has_colors  ? 4
-                  : start->has_edits ? 3
-                  : plain            ? 1
-                                     : 2,
+                  start->solid.size.x > 0 ? 5
+                  : start->has_colors     ? 4
+                  : start->has_edits      ? 3
+                  : plain                 ? 1
+                                          : 2,
                   "source", start->source, "source_crc", (int)start->source_crc, "voxel_size",
                   start->voxel_size, "dims", start->dims[0], start->dims[1], start->dims[2], "origin",
                   vector_json(start->origin), "radius", start->radius, "isovalue", start->isovalue);
     int failed = header && start->reading[0] &&
                  json_object_set_new(header, "reading", json_string_nocheck(start->reading));
+    if (header && start->solid.size.x > 0)
+        failed |= json_object_set_new(header, "size", vector_json(start->solid.size)) ||
+                  json_object_set_new(header, "round", json_real(start->solid.round));
     if (header && start->has_colors) failed |= json_object_set_new(header, "colors", json_true());
     if (!failed) return finish_line(header);
     json_decref(header);
@@ -87,8 +91,16 @@ static json_t *brush_json(const iso_brush *brush) {
 static int add_stamp_members(json_t *object, const iso_stamp *stamp) {
     const iso_heights *h = &stamp->heights;
     char *text = iso_stamp_text(stamp);
+    const iso_voxel_set *voxels = &stamp->voxels;
+    const char *key = voxels->word ? "frozen" : h->value ? "heights" : "levels";
     int failed = !text || json_object_set_new(object, "name", json_string_nocheck(stamp->name)) ||
-                 json_object_set_new(object, h->value ? "heights" : "levels", json_string_nocheck(text));
+                 json_object_set_new(object, key, json_string_nocheck(text));
+    if (!failed && voxels->word)
+        failed |=
+            json_object_set_new(object, "dims",
+                                json_pack("[iii]", voxels->dims[0], voxels->dims[1], voxels->dims[2])) ||
+            json_object_set_new(object, "spacing", json_real(voxels->spacing)) ||
+            json_object_set_new(object, "origin", vector_json(voxels->origin));
     if (!failed && h->value)
         failed |= json_object_set_new(object, "size", json_pack("[ii]", h->width, h->height)) ||
                   json_object_set_new(object, "checksum", json_integer(iso_crc32c(0, text, strlen(text))));
@@ -242,6 +254,17 @@ static iso_status check_kind(const json_t *object, iso_error *error) {
     return version >= 1 ? ISO_OK : bad_member("version", "a version's number", error);
 }
 
+/* Reads the solid that the session begins with, which is named as the source. */
+static iso_status read_solid(const json_t *object, iso_journal_start *start, iso_error *error) {
+    start->solid = (iso_start_solid){.round = 0};
+    if (!json_object_get(object, "size")) return ISO_OK;
+    if (iso_solid_find(start->source, &start->solid.kind, NULL) != ISO_OK)
+        return bad_member("source", "a solid of this version", error);
+    ISO_TRY(get_vector(object, "size", &start->solid.size, error));
+    ISO_TRY(get_number(object, "round", &start->solid.round, error));
+    return start->solid.size.x > 0 ? ISO_OK : bad_member("size", "positive", error);
+}
+
 static iso_status read_header(const json_t *object, iso_journal_start *start, iso_error *error) {
     json_int_t crc = 0;
     ISO_TRY(check_kind(object, error));
@@ -258,6 +281,7 @@ static iso_status read_header(const json_t *object, iso_journal_start *start, is
     ISO_TRY(get_vector(object, "origin", &start->origin, error));
     ISO_TRY(get_number(object, "radius", &start->radius, error));
     ISO_TRY(get_number(object, "isovalue", &start->isovalue, error));
+    ISO_TRY(read_solid(object, start, error));
     return iso_limits_start(start, error);
 }
 
@@ -367,11 +391,28 @@ static iso_status read_picture(const json_t *object, const char *name, const cha
     return iso_stamp_parse_picture(name, (int)width, (int)height, text, &event->stamp, error);
 }
 
+/* Reads voxels to freeze, whose grid has the bounds of a session's. */
+static iso_status read_voxels(const json_t *object, const char *name, const char *text, iso_event *event,
+                              iso_error *error) {
+    iso_voxel_set frame = {.word = NULL};
+    ISO_TRY(get_dims(object, frame.dims, error));
+    ISO_TRY(get_number(object, "spacing", &frame.spacing, error));
+    ISO_TRY(iso_limit_check(ISO_LIMIT_VOXEL_SIZE, frame.spacing, 1, error));
+    ISO_TRY(get_vector(object, "origin", &frame.origin, error));
+    const double origin[] = {frame.origin.x, frame.origin.y, frame.origin.z};
+    for (int axis = 0; axis < 3; axis++)
+        ISO_TRY(iso_limit_check(ISO_LIMIT_ORIGIN, origin[axis], frame.spacing, error));
+    const iso_status status = iso_stamp_parse_voxels(name, &frame, text, &event->stamp, error);
+    return status == ISO_ERR_LIMIT ? ISO_ERR_FORMAT : status;
+}
+
 static iso_status read_stamp(const json_t *object, iso_event *event, iso_error *error) {
     const char *name = json_string_value(json_object_get(object, "name")),
                *text = json_string_value(json_object_get(object, "levels")),
-               *heights = json_string_value(json_object_get(object, "heights"));
+               *heights = json_string_value(json_object_get(object, "heights")),
+               *frozen = json_string_value(json_object_get(object, "frozen"));
     if (!name) return bad_member("name", "a text", error);
+    if (frozen) return read_voxels(object, name, frozen, event, error);
     if (heights) return read_picture(object, name, heights, event, error);
     if (!text) return bad_member("levels", "a text", error);
     return iso_stamp_parse(name, text, &event->stamp, error);

@@ -12,14 +12,16 @@ static iso_status check_vector(iso_limit limit, iso_vec3 v, double voxel, iso_er
     return iso_limit_check(limit, v.z, voxel, error);
 }
 
-/* The grid of a ball must consist of whole bricks; the radius of other sources is not used. */
-static iso_status check_ball(const iso_journal_start *start, iso_error *error) {
-    const bool ball = strcmp(start->source, "ball") == 0;
+/* The grid of a solid must consist of whole bricks; the radius of other sources than a ball is not used. */
+static iso_status check_solid(const iso_journal_start *start, iso_error *error) {
+    const bool solid = iso_start_has_solid(start), ball = solid && !(start->solid.size.x > 0);
     for (int axis = 0; axis < 3; axis++)
-        if (ball && start->dims[axis] % ISO_BRICK)
+        if (solid && start->dims[axis] % ISO_BRICK)
             return iso_fail(error, ISO_ERR_FORMAT,
                             "number of voxels along an axis %d: must be a multiple of %d", start->dims[axis],
                             ISO_BRICK);
+    if (solid && !ball && iso_start_solid_check(&start->solid, start->voxel_size, error) != ISO_OK)
+        return ISO_ERR_FORMAT;
     return ball || start->radius != 0
                ? iso_limit_check(ISO_LIMIT_BALL, start->radius, start->voxel_size, error)
                : ISO_OK;
@@ -31,7 +33,7 @@ iso_status iso_limits_start(const iso_journal_start *start, iso_error *error) {
         ISO_TRY(iso_limit_check(ISO_LIMIT_DIMS, start->dims[axis], 1, error));
     ISO_TRY(check_vector(ISO_LIMIT_ORIGIN, start->origin, start->voxel_size, error));
     ISO_TRY(iso_limit_check(ISO_LIMIT_ISOVALUE, start->isovalue, 1, error));
-    return check_ball(start, error);
+    return check_solid(start, error);
 }
 
 static iso_status check_brush(const iso_brush *brush, double voxel, iso_error *error) {

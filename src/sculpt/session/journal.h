@@ -13,21 +13,23 @@
 
 #include "sculpt/brush/brush.h"
 #include "sculpt/brush/stamp.h"
+#include "sculpt/session/start_solid.h"
 
 /* Version 2 adds `reading`, and isovalues of level sets are in millimetres instead of voxels. Version 3 adds
- * edits of strokes, version 4 `has_colors`. A file that is made says the first version that has what it uses;
- * edits that are appended to an older file leave its first line as it is, and older programs refuse their
- * lines. ISO_JOURNAL_TEXT: bytes of a text. */
-enum { ISO_JOURNAL_VERSION = 4, ISO_JOURNAL_TEXT = 1024 };
+ * edits of strokes, version 4 `has_colors`, version 5 `solid`. A file that is made says the first version
+ * that has what it uses; edits that are appended to an older file leave its first line as it is, and older
+ * programs refuse their lines. ISO_JOURNAL_TEXT: bytes of a text. */
+enum { ISO_JOURNAL_VERSION = 5, ISO_JOURNAL_TEXT = 1024 };
 
 /* The header: the source of the session's field, and its grid. */
 typedef struct iso_journal_start {
-    char source[ISO_JOURNAL_TEXT]; /* "ball", or the path of a file */
-    uint32_t source_crc;           /* CRC-32C of the file, 0 for a ball */
+    char source[ISO_JOURNAL_TEXT]; /* "ball", the name of `solid`, or the path of a file */
+    uint32_t source_crc;           /* CRC-32C of the file, 0 for solids */
     double voxel_size;             /* mm */
     int dims[3];
     iso_vec3 origin;                /* world position of voxel (0, 0, 0) */
     double radius;                  /* of the ball, mm */
+    iso_start_solid solid;          /* of a session that begins with another solid than a ball */
     double isovalue;                /* of a source file: physical */
     char reading[ISO_JOURNAL_TEXT]; /* the options with which the program read the source; "" for the defaults
                                      */

@@ -738,6 +738,10 @@ const iso_stamp *iso_session_stamp(const iso_session *session) {
     return session->stamp;
 }
 
+iso_status iso_session_sync(iso_session *session, iso_error *error) {
+    return session->journal ? iso_journal_sync(session->journal, error) : ISO_OK;
+}
+
 /* Adds the cost of an undo or redo to undo_cost. */
 static iso_status count_step_cost(iso_session *session, bool redo, iso_error *error) {
     const iso_history *history = session->history;

@@ -111,15 +111,13 @@ const iso_stamp *iso_session_stamp(const iso_session *session); /* NULL: none ye
 /* Returns the status of the journal (iso_journal_status); ISO_OK if there is no journal. */
 iso_status iso_session_journal_status(iso_session *session, iso_error *error);
 
+/* Waits until all events are in the journal's file (iso_journal_sync); ISO_OK if there is no journal. */
+iso_status iso_session_sync(iso_session *session, iso_error *error);
+
 /* Replays one event of a stroke file. ISO_ERR_USAGE: the event is not possible after those before it;
  * ISO_ERR_FORMAT: the cost of the file exceeds iso_limit_cost; iso_journal_add_location adds the line. */
 iso_status iso_session_play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
                             iso_error *error);
-
-/* Makes the level set of a new session: a grid as `start` describes it, with a ball of `radius` mm around the
- * world's origin. The caller owns *grid. ISO_ERR_USAGE: a size that is not positive; ISO_ERR_LIMIT,
- * ISO_ERR_NOMEM. */
-iso_status iso_session_ball(const iso_journal_start *start, iso_hgrid **grid, iso_error *error);
 
 #ifdef __cplusplus
 }

@@ -33,7 +33,7 @@ static void strokes_that_cannot_end_are_taken_back(void **state) {
     isosculpt_controller controller;
     iso_hgrid *grid;
     const iso_session_opts opts = {0};
-    assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&START, &grid, NULL), ISO_OK);
     assert_int_equal(iso_session_create(grid, &START, &opts, &document.session, NULL), ISO_OK);
     assert_int_equal(isosculpt_viewport_init(&view, grid, NULL, NULL), ISO_OK);
     assert_int_equal(isosculpt_viewport_draw(&view, WIDTH, HEIGHT, false, NULL), ISO_OK);
@@ -71,7 +71,7 @@ static void open_scene(scene *s) {
     const iso_session_opts opts = {0};
     iso_hgrid *grid;
     *s = (scene){.document = {.start = START}};
-    assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&START, &grid, NULL), ISO_OK);
     assert_int_equal(iso_session_create(grid, &START, &opts, &s->document.session, NULL), ISO_OK);
     assert_int_equal(isosculpt_viewport_init(&s->view, grid, NULL, NULL), ISO_OK);
     assert_int_equal(isosculpt_viewport_draw(&s->view, WIDTH, HEIGHT, false, NULL), ISO_OK);

@@ -37,7 +37,7 @@ static bool is_there(const char *path) {
 static bool write_ball(const char *path) {
     iso_hgrid *ball;
     iso_error error = {0};
-    assert_int_equal(iso_session_ball(&SESSION_START, &ball, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&SESSION_START, &ball, NULL), ISO_OK);
     iso_status status = iso_level_set_write_vdb(path, ball, "surface", NULL, &error);
     iso_hgrid_destroy(ball);
     if (status == ISO_ERR_UNSUPPORTED) print_message("%s: left out\n", error.text);
@@ -70,7 +70,7 @@ static void cancelled_writing_leaves_no_file(void **state) {
     iso_hgrid *ball;
     if (!write_ball(path)) return;
     unlink(path);
-    assert_int_equal(iso_session_ball(&SESSION_START, &ball, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&SESSION_START, &ball, NULL), ISO_OK);
     iso_status status = ISO_ERR_IO;
     int refusals = 0;
     for (int calls = 0; status != ISO_OK; calls++, refusals++) {

@@ -62,7 +62,7 @@ static void add_reference(isosculpt_viewport *view) {
         isosculpt_viewport_set_reference(view, reference);
         return;
     }
-    assert_int_equal(iso_session_ball(&VIEWPORT_START, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&VIEWPORT_START, &grid, NULL), ISO_OK);
     assert_int_equal(isosculpt_reference_create(grid, 2, &reference, NULL), ISO_OK);
     isosculpt_viewport_set_reference(view, reference);
 }
@@ -281,8 +281,8 @@ static void layers_are_those_of_exact(void **state) {
     iso_image image;
     const iso_exact_opts opts = {.isovalue = 0};
     small.radius = 9;
-    assert_int_equal(iso_session_ball(&small, &ball, NULL), ISO_OK);
-    assert_int_equal(iso_session_ball(&VIEWPORT_START, &start, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&small, &ball, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&VIEWPORT_START, &start, NULL), ISO_OK);
     const iso_grid grid = {.hgrid = start};
     assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
     assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
@@ -328,7 +328,7 @@ static void front_layers_are_the_first_ones(void **state) {
     const iso_exact_opts opts = {.isovalue = 0};
     const iso_rgb color = {10, 200, 120};
     isosculpt_layer_store all = {.most_bytes = SIZE_MAX}, front = {.most_bytes = SIZE_MAX};
-    assert_int_equal(iso_session_ball(&VIEWPORT_START, &ball, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&VIEWPORT_START, &ball, NULL), ISO_OK);
     const iso_grid grid = {.hgrid = ball};
     assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
     assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
@@ -372,7 +372,7 @@ static void room_is_bounded(void **state) {
     const iso_exact_opts opts = {.isovalue = 0};
     const iso_rgb color = {10, 200, 120};
     isosculpt_layer_store store = {.most_bytes = 4 * PIXELS + 1000};
-    assert_int_equal(iso_session_ball(&VIEWPORT_START, &ball, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&VIEWPORT_START, &ball, NULL), ISO_OK);
     const iso_grid grid = {.hgrid = ball};
     assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
     assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);

@@ -37,7 +37,7 @@ static void open_scene(scene *s) {
     const iso_session_opts opts = {.edits_aside = true};
     iso_hgrid *grid;
     *s = (scene){.document = {.start = START}};
-    assert_int_equal(iso_session_ball(&START, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&START, &grid, NULL), ISO_OK);
     assert_int_equal(iso_session_create(grid, &START, &opts, &s->document.session, NULL), ISO_OK);
     assert_int_equal(isosculpt_viewport_init(&s->view, grid, NULL, NULL), ISO_OK);
     assert_int_equal(isosculpt_viewport_draw(&s->view, WIDTH, HEIGHT, false, NULL), ISO_OK);

@@ -64,6 +64,7 @@ static void masks_are_changed_wholly_or_not(void **state) {
     assert_int_equal(iso_editor_create(grid, &(iso_editor_opts){0}, &editor, NULL), ISO_OK);
     assert_true(touch_with_less_memory(editor, ISO_TOOL_MASK) > 20);
     assert_true(iso_editor_has_mask(editor));
+    assert_true(touch_with_less_memory(editor, ISO_TOOL_BLUR_MASK) > 10);
     assert_true(touch_with_less_memory(editor, ISO_TOOL_UNMASK) > 10);
     assert_true(touch_with_less_memory(editor, ISO_TOOL_INVERT_MASK) > 20);
     assert_true(touch_with_less_memory(editor, ISO_TOOL_CLEAR_MASK) > 20);

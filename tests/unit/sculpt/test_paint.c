@@ -172,7 +172,8 @@ static void colors_are_the_same_everywhere(void **state) {
         for (int i = 0; i < 60; i++) {
             iso_brush brush = session_random_brush(&seed, ISO_TOOL_TRIM_PLANE);
             iso_vec3 path[3];
-            if (brush.tool == ISO_TOOL_INVERT_MASK || brush.tool == ISO_TOOL_MASK)
+            if (brush.tool == ISO_TOOL_INVERT_MASK || brush.tool == ISO_TOOL_BLUR_MASK ||
+                brush.tool == ISO_TOOL_MASK)
                 brush.tool = ISO_TOOL_PAINT;
             for (int k = 0; k < 3; k++) {
                 const iso_sample sample = session_random_sample(&seed);

@@ -7,7 +7,12 @@
 #include <cmocka.h>
 
 #include "base/cpu.h"
+#include "check_support.h"
 #include "sculpt_support.h"
+
+static double random_between(uint32_t *seed, double low, double high) {
+    return low + (high - low) * uniform(seed);
+}
 
 enum { SIDE = 64, VOXELS = SIDE * SIDE * SIDE };
 /* The ball, and a mask on its surface. */
@@ -199,8 +204,73 @@ static void whole_masks_change(void **state) {
     iso_hgrid_destroy(field);
 }
 
+/* What blurring leaves of a voxel, by the sum over all voxels around it. */
+static bool blurred(const bool *frozen, int reach, const int at[3]) {
+    long sum = 0, all = 0;
+    for (int z = -reach; z <= reach; z++)
+        for (int y = -reach; y <= reach; y++)
+            for (int x = -reach; x <= reach; x++) {
+                const int d[3] = {x, y, z};
+                long weight = 1, index = 0;
+                for (int axis = 2; axis >= 0; axis--) {
+                    const int place = at[axis] + d[axis];
+                    weight *= reach + 1 - abs(d[axis]);
+                    index = index * SIDE + (place < 0 ? 0 : place >= SIDE ? SIDE - 1 : place);
+                }
+                all += weight;
+                sum += frozen[index] ? weight : 0;
+            }
+    return 2 * sum > all;
+}
+
+static void read_mask(const iso_editor *editor, bool *frozen) {
+    for (int i = 0; i < VOXELS; i++)
+        frozen[i] = iso_editor_masked(editor, i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE);
+}
+
+/* Blurring equals the sums over all voxels, also at the border of the grid; it moves the border of a ball
+ * less than it smooths it, and what is nowhere frozen, or everywhere, stays so. */
+static void masks_blur(void **state) {
+    (void)state;
+    static bool before[VOXELS], after[VOXELS];
+    iso_hgrid *grid = sculpt_ball(SIDE, CENTRE, RADIUS);
+    iso_editor *editor = make_editor(grid, NULL);
+    iso_brush blur = {.tool = ISO_TOOL_BLUR_MASK, .radius = 3}, mask = {.tool = ISO_TOOL_MASK, .radius = 6};
+    const iso_brush invert = {.tool = ISO_TOOL_INVERT_MASK, .radius = 1};
+    uint32_t seed = 3;
+    sculpt_touch(editor, &blur, FROZEN, UP);
+    assert_false(iso_editor_has_mask(editor));
+    for (int i = 0; i < 60; i++) {
+        mask.tool = i % 4 == 3 ? ISO_TOOL_UNMASK : ISO_TOOL_MASK;
+        mask.radius = random_between(&seed, 1, 9);
+        const iso_vec3 at = {random_between(&seed, 0, SIDE), random_between(&seed, 0, SIDE),
+                             random_between(&seed, 0, SIDE)};
+        sculpt_touch(editor, &mask, at, UP);
+    }
+    for (int round = 0; round < 2; round++) {
+        int changed = 0;
+        blur.radius = round ? 30 : 3; /* as 16 */
+        read_mask(editor, before);
+        sculpt_touch(editor, &blur, FROZEN, UP);
+        read_mask(editor, after);
+        for (int i = 0; i < VOXELS; i += round ? 997 : 1) {
+            const int at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+            if (after[i] != blurred(before, round ? 16 : 3, at)) fail_msg("%d %d %d", at[0], at[1], at[2]);
+        }
+        for (int i = 0; i < VOXELS; i++) changed += after[i] != before[i];
+        assert_in_range(changed, 500, VOXELS / 2);
+    }
+    iso_field_items_clear(iso_editor_items(editor));
+    sculpt_touch(editor, &invert, FROZEN, UP);
+    sculpt_touch(editor, &blur, FROZEN, UP);
+    read_mask(editor, after);
+    for (int i = 0; i < VOXELS; i++) assert_true(after[i]);
+    iso_editor_destroy(editor);
+    iso_hgrid_destroy(grid);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(frozen_surfaces_stay),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(masks_blur), cmocka_unit_test(frozen_surfaces_stay),
                                        cmocka_unit_test(same_bytes_for_threads_and_levels),
                                        cmocka_unit_test(masks_go), cmocka_unit_test(whole_masks_change)};
     return cmocka_run_group_tests(tests, NULL, NULL);

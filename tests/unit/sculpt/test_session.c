@@ -609,7 +609,7 @@ static void snapshots_round_trip(void **state) {
     assert_true(wanted->of[ISO_ITEM_PAINT].used > 0);
     assert_int_equal(iso_field_items_init(&items, wanted->of[0].cells, NULL), ISO_OK);
     assert_int_equal(iso_checkpoint_write(path, grid, wanted, NULL), ISO_OK);
-    assert_int_equal(iso_session_ball(&SESSION_START, &other, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&SESSION_START, &other, NULL), ISO_OK);
     assert_int_equal(iso_checkpoint_read(path, other, &items, NULL), ISO_OK);
     assert_true(sculpt_same(grid, other) && session_same_items(&items, wanted));
     size_t size;
@@ -644,7 +644,7 @@ static void moving_keeps_the_volume(void **state) {
         .source = "ball", .voxel_size = 1, .dims = {128, 64, 64}, .origin = {-40, -31, -31}, .radius = 12};
     iso_hgrid *grid;
     iso_session *session;
-    assert_int_equal(iso_session_ball(&start, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&start, &grid, NULL), ISO_OK);
     assert_int_equal(iso_session_create(grid, &start, &opts, &session, NULL), ISO_OK);
     double before = sculpt_volume(grid);
     iso_brush brush = {.tool = ISO_TOOL_MOVE, .falloff = ISO_FALLOFF_CONSTANT, .radius = 20};

@@ -141,7 +141,7 @@ static void resuming_can_be_cancelled(void **state) {
         iso_error error = {0};
         iso_hgrid *grid;
         opts.progress = &some;
-        assert_int_equal(iso_session_ball(&SESSION_START, &grid, NULL), ISO_OK);
+        assert_int_equal(iso_session_solid(&SESSION_START, &grid, NULL), ISO_OK);
         iso_status status = iso_session_create(grid, &SESSION_START, &opts, &session, &error);
         if (status != ISO_OK) {
             assert_int_equal(status, ISO_ERR_IO);

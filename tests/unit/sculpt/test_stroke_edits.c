@@ -26,7 +26,7 @@ static iso_session *open_ball(const iso_journal_start *start) {
     iso_hgrid *grid;
     iso_session *session;
     const iso_session_opts opts = {.checkpoint_strokes = -1};
-    assert_int_equal(iso_session_ball(start, &grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(start, &grid, NULL), ISO_OK);
     assert_int_equal(iso_session_create(grid, start, &opts, &session, NULL), ISO_OK);
     return session;
 }

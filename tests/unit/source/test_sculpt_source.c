@@ -21,7 +21,7 @@ static const iso_journal_start BALL = {
     .source = "ball", .voxel_size = 0.5, .dims = {96, 96, 96}, .origin = {-20, -24, -23}, .radius = 15};
 
 static void make_ball(iso_hgrid **grid) {
-    assert_int_equal(iso_session_ball(&BALL, grid, NULL), ISO_OK);
+    assert_int_equal(iso_session_solid(&BALL, grid, NULL), ISO_OK);
 }
 
 static iso_hgrid *open_source(const char *path, double isovalue, double voxel, iso_journal_start *start) {
