@@ -11,8 +11,8 @@
 #include "apps/common/synonyms.h"
 #include "base/text.h"
 #include "base/thread.h"
-#include "grids/volume/volume.h"
 #include "isopoint.h"
+#include "scene/loader.h"
 
 /* Compares words without regard to case, independent of the locale. */
 static bool same_letters(const char *a, const char *b) {

@@ -5,9 +5,9 @@
 #ifndef ISO_GRIDS_VOLUME_REMOTE_REMOTE_H
 #define ISO_GRIDS_VOLUME_REMOTE_REMOTE_H
 
-#include <limits.h>
 #include <stdio.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -33,7 +33,7 @@ typedef struct iso_remote {
      * A file that is larger than the cache is kept until something else is. For several threads at once.
      * ISO_ERR_IO: no server, its refusal, it broke off, or there is no cache; ISO_ERR_LIMIT; ISO_ERR_WRITE:
      * no room. */
-    iso_status (*fetch)(const char *url, uint64_t most, char path[PATH_MAX], iso_error *error);
+    iso_status (*fetch)(const char *url, uint64_t most, char path[ISO_FILE_PATH], iso_error *error);
 } iso_remote;
 
 /* The cache (remote/cache.c). An entry is a file with the server's mark of what it has sent, its ETag. */
@@ -50,7 +50,7 @@ void iso_remote_cache_keep(const char *url, const iso_remote_part *part, const i
 
 /* The copy of a whole file in the cache. Beside it lies a file that states its URL, mark and size. */
 typedef struct iso_remote_copy {
-    char path[PATH_MAX];
+    char path[ISO_FILE_PATH];
     bool is_there;
     char mark[256]; /* of the copy; empty: only the server can say whether it is the same file */
 } iso_remote_copy;
