@@ -551,11 +551,11 @@ ISO_INLINE void hit_at_depth(const iso_discs_params *params, const vf *disc, con
     if (params->anisotropic) measure_in_voxels(params, disc, hit);
 }
 
-/* Intersects a disc with the ray through the pixel of a row that is `dx` pixels right of the disc's
- * centre: the nearer root of n.q + q.Sq / 2 = 0, for flat discs the root of n.q = 0. Curved discs in `exact`
- * lanes are so near to the eye that each pixel's own ray is used, whose direction has x `ray_x`; for the
- * others rays are taken as parallel. A flat disc at depth z that a parallel ray hits at q is hit by the pixel's
- * own ray at q / (1 - q_z / z).
+/* Intersects a disc with the ray through the pixel of a row that is `dx` pixels right of the disc's centre:
+ * the nearer root of n.q + q.Sq / 2 = 0, for flat discs the root of n.q = 0. Curved discs in `exact` lanes
+ * are so near to the eye that each pixel's own ray is used, whose direction has x `ray_x`; for the others
+ * rays are taken as parallel. A flat disc at depth z that a parallel ray hits at q is hit by the pixel's own
+ * ray at q / (1 - q_z / z).
  *
  * With q = e + t d, where e is the offset of the ray at the centre's depth, the quadric is t^2 A / 2 + t B
  * + C / 2 = 0 with A = d.Sd, B = n.d + e.Sd, C = 2 n.e + e.Se, and the nearer root is t = C / (sqrt(B^2 -
