@@ -171,12 +171,26 @@ ISO_STEP static rf_clipped clip_flat(const iso_discs_params *params, const vf *v
     return (rf_clipped){inside, v_lt(hit.far, v_set(1))};
 }
 
+/* Sets `far` of hits outside of their discs' balls to 1, all of `values` or number `lane` of them. */
+ISO_STEP static vf keep_in_balls(const iso_discs_params *params, const vf *values, int lane, vf dx, vf dy,
+                                 vf behind, vf far) {
+    vf disc[ISO_DISC_VALUES];
+    for (int k = 0; k < ISO_DISC_VALUES; k++) disc[k] = lane < 0 ? values[k] : lane_of(&values[k], lane);
+    const vf off[2] = {dx, dy};
+    vf q[3] = {[2] = behind};
+    for (int k = 0; k < 2; k++)
+        q[k] =
+            off[k] * disc[ISO_DISC_PIXEL] + behind * ray_slope(params, k, off[k] + disc[ISO_DISC_COLUMN + k]);
+    return v_select(leaves_ball(disc, q), v_set(1), far);
+}
+
 /* Intersects discs with the rays of pixels that are (dx, dy) from their centres. `row`: start_row's. */
 ISO_INLINE rf_tile intersect_flat(const iso_discs_params *params, const rf_flat *disc, const bool filtered,
                                   vf dx, vf dy, const rf_row *row) {
     const vf depth = dx * disc->x + row->b, nearer = 1 / v_max(1 - depth * disc->near, v_set(1e-15f)),
              at = depth * nearer;
     vf far = (dx * (row->c1 + disc->xx * dx) + row->c0) * (nearer * nearer), behind = at;
+    if (params->anisotropic) far = keep_in_balls(params, disc->values, disc->lane, dx, dy, at, far);
     rf_tile tile = {.hits = v_lt(far, v_set(1)), .covers = v_lt(far, v_set(1))};
     if (filtered) {
         far = dx * (disc->soft_xx * dx + disc->soft_xy * dy) + disc->soft_yy * dy * dy;
