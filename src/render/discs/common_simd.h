@@ -135,20 +135,30 @@ ISO_INLINE vf projected_reach(const vf *disc, int axis, vf ray) {
     return r * v_min(flat + v_abs(along) * cap, longest) * 1.03f;
 }
 
-/* Bounds discs in the patch; returns the live ones whose bounds are not empty. Flat discs are small, so
- * that the bounds of their circles are good enough. */
+/* The same in pixels for flat discs, with the low-pass filter if they are `filtered`; not beyond the circles
+ * that contain them. Perspective widens a disc by the more the larger it is for its depth. */
+ISO_INLINE vf flat_reach(const vf *disc, const bool filtered, int axis, vf ray) {
+    const float low_pass = ISO_DISCS_LOW_PASS;
+    const vf along = disc[ISO_DISC_NX + axis] - ray * disc[ISO_DISC_NZ];
+    const vf flat = v_sqrt(v_max(1 + ray * ray - along * along, v_set(0))),
+             wider = 1.01f + 2 * disc[ISO_DISC_RADIUS] * disc[ISO_DISC_FLAT_NEAR];
+    vf reach = disc[ISO_DISC_RADIUS] * disc[ISO_DISC_SCALE] * flat * wider;
+    if (filtered) reach = v_sqrt(reach * reach + low_pass * low_pass);
+    return v_min(reach, disc[ISO_DISC_PIXELS]);
+}
+
+/* Bounds discs in the patch; returns the live ones whose bounds are not empty. */
 ISO_INLINE vm bound_discs(const iso_discs_params *params, const iso_discs_patch *patch, const bool curved,
-                          const rf_disc *discs, rf_bounds *out) {
+                          const bool filtered, const rf_disc *discs, rf_bounds *out) {
     const vf *disc = discs->value;
     vm live = discs->live;
     const int above = params->target->view->above;
     for (int k = 0; k < 2; k++) {
         const int lo = patch->first[k], hi = patch->last[k];
         const vf at = disc[ISO_DISC_COLUMN + k] - (k ? (float)above + 0.5f : 0.5f);
-        vf reach = disc[ISO_DISC_PIXELS];
-        if (curved)
-            reach = projected_reach(disc, k, ray_slope(params, k, disc[ISO_DISC_COLUMN + k])) *
-                    disc[ISO_DISC_SCALE];
+        const vf ray = ray_slope(params, k, disc[ISO_DISC_COLUMN + k]),
+                 reach = curved ? projected_reach(disc, k, ray) * disc[ISO_DISC_SCALE]
+                                : flat_reach(disc, filtered, k, ray);
         const vf first = v_max(at - reach, v_set((float)lo)), last = v_min(at + reach, v_set((float)hi));
         out->lo[k] = -v_floor(-v_min(first, v_set((float)hi + 1)));
         out->hi[k] = v_floor(v_max(last, v_set((float)lo - 1)));

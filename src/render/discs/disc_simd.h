@@ -540,6 +540,13 @@ ISO_INLINE void measure_in_voxels(const iso_discs_params *params, const vf *disc
     hit->far = v_select(v_lt(hit->far, v_set(1)), square * disc[ISO_DISC_INVERSE], hit->far);
 }
 
+/* Whether a hit of a disc that is large for its depth lies outside of its ball: where voxels are not cubes,
+ * params->metric may be less than the distance in mm. */
+ISO_INLINE vm leaves_ball(const vf *disc, const vf q[3]) {
+    const vf square = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]) * disc[ISO_DISC_INVERSE];
+    return v_andnot(v_lt(v_set(0), disc[ISO_DISC_FLAT_NEAR]), v_lt(square, v_set(1)));
+}
+
 /* Sets the hit to the position on a ray `depth` mm behind the disc's centre. `at`: the ray's offset from
  * the centre at the centre's depth; `ray`: x and y of its direction. */
 ISO_INLINE void hit_at_depth(const iso_discs_params *params, const vf *disc, const vf at[2], const vf ray[2],
@@ -582,6 +589,7 @@ ISO_INLINE rf_hit intersect(const iso_discs_params *params, const vf *disc, cons
     hit.q[2] = depth * nearer;
     for (int k = 0; k < 2; k++) hit.q[k] = at[k] + hit.q[2] * ray[k];
     hit.far = (dx * (row->c1 + disc[ISO_DISC_FLAT_XX] * dx) + row->c0) * (nearer * nearer);
+    if (params->anisotropic) hit.far = v_select(leaves_ball(disc, hit.q), v_set(1), hit.far);
     return hit;
 }
 

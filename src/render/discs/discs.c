@@ -14,7 +14,8 @@
 enum {
     PATCH_WIDTH = 128, /* pixels: the sums of a patch fit into a core's own cache */
     PATCH_HEIGHT = 64,
-    LANES = 16, /* of the widest vectors */
+    LANES = 16,                         /* of the widest vectors */
+    MOST_ROWS = LANES / ISO_DISCS_TILE, /* of a tile */
     CELL_SHIFT_LEAST = 3,
     LAYERS = 4096,      /* of depth, that blocks are sorted into */
     HIDDEN_UPDATES = 6, /* how often a patch's hidden depths are computed while it is drawn */
@@ -28,9 +29,10 @@ typedef struct discs_call {
     const iso_discs_kernel *kernel;
     const iso_point_blocks *blocks;
     iso_discs *workspace;
-    bool draw_hidden;      /* of iso_discs_opts */
-    int across, down;      /* columns and rows of patches */
-    size_t stride, pixels; /* pixels in a row of a patch and in the whole patch */
+    bool draw_hidden; /* of iso_discs_opts */
+    int across, down; /* columns and rows of patches */
+    /* pixels in a row of a patch, and in the whole patch with the rows that tiles may reach beyond it */
+    size_t stride, pixels;
     int shift, wide, high; /* cells: see iso_discs_patch; columns and rows of cells in a patch */
     float behind; /* mm by which a disc's centre must be behind the deepest front around it to be hidden */
 } discs_call;
@@ -158,7 +160,7 @@ static void choose_patches(discs_call *call) {
     const int width = view->width < PATCH_WIDTH ? view->width : PATCH_WIDTH,
               height = view->height < PATCH_HEIGHT ? view->height : PATCH_HEIGHT;
     call->stride = (size_t)(width + LANES - 1) / LANES * LANES;
-    call->pixels = call->stride * (size_t)((height + 3) / 4 * 4); /* whole tiles */
+    call->pixels = call->stride * (size_t)((height + 3) / 4 * 4 + MOST_ROWS);
 }
 
 /* The largest radius of a point, mm. */
@@ -322,6 +324,9 @@ static drawing start_patch(const discs_call *call, size_t number, int worker) {
                   .stride = call->stride,
                   .tiles = call->stride / ISO_DISCS_TILE,
                   .sums = sums,
+                  .colors = sums + 4 * call->pixels,
+                  .depths = sums + 8 * call->pixels,
+                  .sides = sums + 9 * call->pixels,
                   .front = front,
                   .limit = limit,
                   .counts = &((tally *)call->workspace->tallies.data)[worker].counts,
@@ -345,7 +350,7 @@ static void choose_method(const discs_call *call, drawing *d) {
     const iso_point_block *block = call->blocks->blocks.data;
     float most = 0;
     bool filtered = false;
-    d->patch.flat = !call->params.colored; /* the sums of flat discs have no place for colours */
+    d->patch.flat = true;
     for (size_t i = 0; i < d->count; i++) {
         const iso_point_block *b = &block[d->order[i]];
         most = b->radius[1] > most ? b->radius[1] : most;
@@ -355,6 +360,18 @@ static void choose_method(const discs_call *call, drawing *d) {
     const iso_point_block largest = {.radius = {0, most}};
     const float reach = reach_of(iso_discs_largest_radius(&largest) * call->params.slant, filtered);
     d->tiles = !call->params.centres && 2 * reach + 1 > ISO_DISCS_BOX;
+}
+
+/* Empties the sums of flat discs, and all that are added in two passes. */
+static void clear_sums(const discs_call *call, const drawing *d) {
+    const iso_discs_patch *p = &d->patch;
+    const size_t plane = call->pixels * sizeof *p->sums;
+    if (d->tiles && call->params.pass == ISO_DISCS_SUM_PASS) memset(p->sums, 0, ISO_SUMS * plane);
+    if (d->tiles || !p->flat) return;
+    memset(p->sums, 0, 4 * plane);
+    if (call->params.colored) memset(p->colors, 0, 4 * plane);
+    memset(p->depths, 0, plane);
+    memset(p->sides, 0, plane);
 }
 
 static float max_float(float a, float b) {
@@ -499,9 +516,11 @@ static void find_fronts(const discs_call *call, drawing *d) {
     params.filtered = params.widened;
     draw_blocks(call, &params, d);
     const iso_discs_patch *p = &d->patch;
-    for (size_t i = 0; i < call->pixels; i++)
-        p->front[i] = p->flipped[i] < p->facing_reach[i] ? p->flipped[i] : p->facing[i];
-    memset(p->sums, 0, call->pixels * ISO_SUMS * sizeof *p->sums);
+    for (size_t i = 0; i < call->pixels; i++) {
+        const bool flipped = p->flipped[i] < p->facing_reach[i];
+        p->front[i] = flipped ? p->flipped[i] : p->facing[i];
+        if (!d->tiles) p->sides[i] = flipped ? -1 : 1;
+    }
     if (!call->draw_hidden) update_hidden(call, d);
 }
 
@@ -512,6 +531,7 @@ static void draw_patch(void *context, size_t number, int worker) {
     drawing d = start_patch(call, number, worker);
     choose_method(call, &d);
     set_up_limits(call, &d);
+    clear_sums(call, &d);
     if (d.patch.limit) update_hidden(call, &d);
     if (call->params.pass == ISO_DISCS_SUM_PASS) find_fronts(call, &d);
     if (draw_blocks(call, &call->params, &d))

@@ -28,8 +28,8 @@
  * out. (Hits that are less far behind can be averaged with hits before it.)
  *
  * Blocks of points are drawn from front to back, and discs that are hidden by what has been drawn are
- * skipped. Small discs are intersected a vector of discs at a time, larger ones a vector of pixels at a
- * time (render/discs/kernel.h). */
+ * skipped. Small curved discs are intersected a vector of discs at a time, all others a vector of pixels
+ * at a time (render/discs/kernel.h). */
 #ifndef ISO_RENDER_DISCS_DISCS_H
 #define ISO_RENDER_DISCS_DISCS_H
 

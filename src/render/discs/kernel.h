@@ -37,17 +37,8 @@ enum {
     ISO_SUM_RED = ISO_SUM_XX, /* red, then green and blue, 0 .. 255 */
 };
 
-/* The sums that suffice in a patch whose discs are all flat: eight floats, like ISO_SUMS with the depth
- * last. */
-enum {
-    ISO_FLAT_WEIGHT,
-    ISO_FLAT_NX,
-    ISO_FLAT_NY,
-    ISO_FLAT_NZ,
-    ISO_FLAT_SIDE,
-    ISO_FLAT_DEPTH = 7,
-    ISO_FLAT_SUMS
-};
+/* The sums of flat discs without colours, as they are resolved. */
+enum { ISO_FLAT_WEIGHT, ISO_FLAT_NX, ISO_FLAT_NY, ISO_FLAT_NZ, ISO_FLAT_SIDE, ISO_FLAT_DEPTH };
 
 /* The values of a disc, in view space. LIT_X to Z are in the order of the sums ISO_SUM_NX to ISO_SUM_Z. */
 enum {
@@ -168,17 +159,22 @@ enum {
     ISO_DISCS_BOX = 11  /* columns and rows that a scattered disc may cover, at most */
 };
 
-/* A patch of the picture and a worker's sums of its pixels. Discs that cover a few pixels are processed a
- * vector of discs at a time and added to single pixels (scatter); the sums of a pixel are then adjacent.
- * Larger discs are processed one at a time and added to tiles, a vector of pixels (splat); then the values
- * of one sum are adjacent. Both ways give the same sums. */
+/* A patch of the picture and a worker's sums of its pixels. Discs that cover a few pixels are added to
+ * single pixels (scatter): curved ones a vector of discs at a time; flat ones, where there are no others,
+ * one at a time, a vector of pixels at once. The sums of a pixel are then adjacent. Larger discs are
+ * processed one at a time and added to tiles, a vector of pixels (splat); then the values of one sum are
+ * adjacent. All ways give the same sums. */
 typedef struct iso_discs_patch {
     int first[2], last[2]; /* column and row of the view */
     size_t stride;         /* pixels in a row */
     size_t tiles;          /* tiles in a row */
-    bool flat;             /* all discs are flat: single pixels have ISO_FLAT_SUMS sums */
-    float *sums;           /* ISO_SUMS or ISO_FLAT_SUMS for each pixel, or ISO_SUMS vectors for each tile */
-    float *front;          /* nearest depth of each pixel, in the same order; ISO_NOWHERE: no disc so far */
+    bool flat;             /* all discs are flat */
+    float *sums;           /* ISO_SUMS for each pixel, or ISO_SUMS vectors for each tile */
+    /* Where all discs are flat and scattered: `sums` has the weight and normal of each pixel, `colors` its
+     * colour and a 0; `depths` and `sides` are planes, the latter without weights, of ISO_SUM_SIDE's sign.
+     * They are 0 before. */
+    float *colors, *depths, *sides;
+    float *front; /* nearest depth of each pixel, in the same order; ISO_NOWHERE: no disc so far */
     /* NULL, or the depths that the gbuffer had before, in the same order as `front`. Hits that are more
      * than their disc's thickness behind them are not added. */
     float *limit;
@@ -198,8 +194,8 @@ typedef struct iso_discs_patch {
 
 typedef struct iso_discs_kernel {
     /* Adds the discs of block number `block` to the sums of pixels. Sums of pixels without a front are
-     * undefined. In the front pass: lowers the fronts; in the sum pass `front` is not changed, and the sums
-     * are 0 before. */
+     * undefined; where all discs are flat, they are 0. In the front pass: lowers the fronts; in the sum pass
+     * `front` is not changed, and the sums are 0 before. */
     void (*scatter_block)(const iso_discs_params *params, const iso_discs_patch *patch, uint32_t block);
     /* The same for tiles. */
     void (*splat_block)(const iso_discs_params *params, const iso_discs_patch *patch, uint32_t block);

@@ -6,8 +6,7 @@
 
 #include "render/discs/scatter_simd.h"
 
-/* A tile is ISO_DISCS_TILE columns wide and has as many rows as a vector holds. */
-enum { TILE_ROWS = ISO_LANES / ISO_DISCS_TILE, TILE_FLOATS = ISO_SUMS * ISO_LANES };
+enum { TILE_FLOATS = ISO_SUMS * ISO_LANES };
 
 /* Number of the tile that contains pixel (x, y) of the view. */
 ISO_INLINE size_t tile_number(const iso_discs_patch *patch, int x, int y) {
@@ -216,7 +215,7 @@ ISO_INLINE void splat_disc(const iso_discs_params *params, const iso_discs_patch
 ISO_INLINE void splat_discs(const iso_discs_params *params, const iso_discs_patch *patch, const bool curved,
                             const bool filtered, rf_disc *discs) {
     rf_bounds bounds;
-    const vm live = bound_discs(params, patch, curved, discs, &bounds);
+    const vm live = bound_discs(params, patch, curved, filtered, discs, &bounds);
     const uint32_t exact = v_mask(bounds.exact), cuts = v_mask(discs->clipped);
     float value[ISO_DISC_VALUES][ISO_LANES];
     int32_t box[4][ISO_LANES];
