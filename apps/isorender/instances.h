@@ -3,7 +3,6 @@
 #define ISO_APPS_ISORENDER_INSTANCES_H
 
 #include "apps/common/json.h"
-#include "io/common/read_opts.h"
 #include "scene/instances.h"
 
 typedef struct isorender_job isorender_job; /* isorender.h */

@@ -7,7 +7,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-#include "apps/common/beside.h"
+#include "scene/beside.h"
 #include "base/text.h"
 #include "io/file_contents.h"
 #include "source/source.h"

@@ -11,7 +11,7 @@
 #include <openvdb/openvdb.h>
 
 #include "base/srgb.h"
-#include "grids/volume/bridge_guard.hpp"
+#include "base/bridge_guard.hpp"
 #include "grids/volume/vdb_archive.hpp"
 
 namespace {

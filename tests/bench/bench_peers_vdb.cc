@@ -13,7 +13,7 @@
 #include <tbb/global_control.h>
 
 #include "bench_peers.h"
-#include "grids/volume/bridge_guard.hpp"
+#include "base/bridge_guard.hpp"
 
 struct bench_volume_to_mesh {
     openvdb::FloatGrid::Ptr grid;

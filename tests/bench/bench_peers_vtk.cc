@@ -14,7 +14,7 @@
 #include <vtkXMLImageDataReader.h>
 
 #include "bench_peers.h"
-#include "grids/volume/bridge_guard.hpp"
+#include "base/bridge_guard.hpp"
 
 struct bench_flying_edges {
     vtkNew<vtkImageData> image;
