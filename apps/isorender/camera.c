@@ -51,8 +51,8 @@ iso_box isorender_bounds_shown(const isorender_job *job) {
  * which are large in it. */
 static iso_box frame_of_cloud(const isorender_job *job) {
     enum { FEW_ACROSS = 20 };
-    iso_box box = job->cloud_frame;
-    const double radius = job->cloud.radius, size = iso_vec3_length(iso_vec3_sub(box.hi, box.lo));
+    iso_box box = job->cloud.frame;
+    const double radius = job->cloud.discs.radius, size = iso_vec3_length(iso_vec3_sub(box.hi, box.lo));
     const bool chosen = job->settings->radius > 0 && size > 0; /* the user knows how large they are */
     if (1.01 * FEW_ACROSS * radius < size || chosen) return box;
     const double reach = ISO_BOUNDS_DISC_REACH * radius;
@@ -67,7 +67,7 @@ static iso_box framed_box(const isorender_job *job) {
     iso_box box = frame_of_cloud(job);
     if (isorender_has_instances(job, 0)) {
         const iso_box own = box, index = iso_point_view_bounds(&job->read_points);
-        box = iso_placed_bounds(&job->instances.placements, &job->cloud.transform, &index, &own, NULL);
+        box = iso_placed_bounds(&job->instances.placements, &job->cloud.discs.transform, &index, &own, NULL);
     }
     for (int i = 1; i < job->surface_count; i++) iso_bounds_add(&box, &job->surfaces[i].bounds);
     for (int i = 0; i < job->object_count; i++) iso_bounds_add(&box, &job->objects[i].bounds);
@@ -83,7 +83,7 @@ static isorender_fit usual_fit(const isorender_job *job) {
     const isorender_settings *settings = job->settings;
     const bool shared = settings->first && !settings->panel,
                placed = is_given(settings->position) || is_given(settings->focal_point) || shared;
-    return placed || job->gaussians || job->outside_frame ? ISORENDER_FIT_BOX : ISORENDER_FIT_TIGHT;
+    return placed || job->gaussians || job->cloud.outside ? ISORENDER_FIT_BOX : ISORENDER_FIT_TIGHT;
 }
 
 /* What fills the picture. In chunks it is the box when --fit does not say it: to find how far the surface
@@ -101,10 +101,10 @@ const char *isorender_camera_record(const isorender_job *job) {
 }
 
 static void log_outside(const isorender_job *job) {
-    if (job->outside_frame)
+    if (job->cloud.outside)
         isorender_log(
             job, "note: %zu of %zu points lie far from the others, and are not framed (--fit tight does)",
-            job->outside_frame, job->cloud.count);
+            job->cloud.outside, job->cloud.discs.count);
 }
 
 static void note_patient(const isorender_job *job) {

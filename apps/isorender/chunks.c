@@ -13,7 +13,6 @@
 #include "base/memory.h"
 #include "io/chunk_export.h"
 #include "io/key_file.h"
-#include "io/mesh/mesh_write.h"
 #include "scene/bounds.h"
 #include "scene/cap_chunks.h"
 #include "scene/keys_picture.h"

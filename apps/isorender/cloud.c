@@ -1,5 +1,4 @@
 /* cloud: a file of points as the input: checks options, makes points that can be drawn, reports them. */
-#include "clouds/cloud.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -7,7 +6,6 @@
 #include "apps/isorender/labels.h"
 #include "base/memory.h"
 #include "base/temporary_file.h"
-#include "clouds/frame.h"
 #include "scene/bounds.h"
 
 iso_status isorender_cloud_check(const isorender_settings *settings, iso_error *error) {
@@ -60,19 +58,6 @@ static iso_status color(isorender_job *job, iso_error *error) {
     return status;
 }
 
-/* How the cloud is made. That of Gaussians only says where they are, unless it is written by --points. */
-static iso_cloud_opts cloud_opts(const isorender_job *job) {
-    const isorender_settings *settings = job->settings;
-    iso_cloud_opts opts = {.radius = settings->radius > 0 ? settings->radius : 0,
-                           .estimate_radii = settings->radius < 0,
-                           .estimate_normals = settings->normals == ISORENDER_NORMALS_AUTO,
-                           .pool = job->pool};
-    if (!job->gaussians || settings->points) return opts;
-    opts.radius = iso_gaussians_size((const float(*)[9])job->loader.points.axes, job->loader.points.count);
-    opts.without_normals = true;
-    return opts;
-}
-
 /* Why the opacities of points are not drawn; NULL: they are. */
 static const char *why_opaque(const isorender_job *job) {
     const isorender_settings *settings = job->settings;
@@ -92,7 +77,7 @@ static iso_status choose_opacities(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const bool made_opaque = settings->opacity_count && settings->opacities[0] >= 1;
     const char *reason = NULL;
-    job->read_points = iso_cloud_view(&job->cloud);
+    job->read_points = iso_cloud_view(&job->cloud.discs);
     if (job->read_points.opacities && !made_opaque && isorender_plan_draws(job->plan))
         reason = why_opaque(job);
     if (reason) isorender_log(job, "note: its points have opacities, but %s", reason);
@@ -105,15 +90,16 @@ static iso_status choose_opacities(isorender_job *job, iso_error *error) {
                                        error);
 }
 
-/* Makes the cloud of points in memory. */
+/* Makes the cloud of points in memory. That of Gaussians only says where they are, unless it is written by
+ * --points. */
 static iso_status make_cloud(isorender_job *job, iso_error *error) {
-    const iso_glyphs *points = &job->loader.points;
-    const iso_cloud_opts opts = cloud_opts(job);
-    const iso_point_source source = iso_point_source_of_glyphs(points);
-    iso_point_survey survey;
-    ISO_TRY(iso_point_source_survey(&source, job->pool, &survey, error));
-    ISO_TRY(iso_cloud_frame(&source, &survey, &job->cloud_frame, &job->outside_frame, error));
-    return iso_cloud_make(points, &opts, &job->cloud, error);
+    const isorender_settings *settings = job->settings;
+    const iso_cloud_opts opts = {.radius = settings->radius > 0 ? settings->radius : 0,
+                                 .estimate_radii = settings->radius < 0,
+                                 .estimate_normals = settings->normals == ISORENDER_NORMALS_AUTO,
+                                 .pool = job->pool};
+    return iso_scene_cloud_make(&job->cloud, &job->loader.points, job->gaussians && !settings->points, &opts,
+                                error);
 }
 
 static iso_status read_cloud(isorender_job *job, iso_error *error) {
@@ -139,25 +125,11 @@ static bool is_drawn_as_stored(const isorender_job *job) {
            !settings->cloud.color_by && !settings->common.input.cropped_mm && !job->gaussians;
 }
 
-/* Makes the cloud of a file without reading its points into memory first, which saves most of the time of
- * large ones. *made: false if that is not possible. */
-static iso_status map_cloud(isorender_job *job, bool *made, iso_error *error) {
-    iso_mapped_points points;
-    *made = is_drawn_as_stored(job) && iso_loader_map_points(&job->loader, &points);
-    if (!*made) return ISO_OK;
-    iso_status status =
-        iso_cloud_frame(&points.source, &points.survey, &job->cloud_frame, &job->outside_frame, error);
-    if (status == ISO_OK)
-        status = iso_cloud_make_of_source(&points.source, &points.survey, job->settings->radius, job->pool,
-                                          &job->cloud, error);
-    iso_mapped_points_close(&points);
-    return status;
-}
-
 iso_status isorender_cloud_read(isorender_job *job, iso_error *error) {
-    const iso_cloud *cloud = &job->cloud;
-    bool made;
-    ISO_TRY(map_cloud(job, &made, error));
+    const iso_cloud *cloud = &job->cloud.discs;
+    bool made = false;
+    if (is_drawn_as_stored(job))
+        ISO_TRY(iso_scene_cloud_map(&job->cloud, &job->loader, job->settings->radius, &made, error));
     if (made)
         isorender_log_report(job, "", &job->loader.report);
     else
@@ -209,7 +181,7 @@ static const char *origin_of(size_t estimated, size_t count) {
 }
 
 void isorender_cloud_info(const isorender_job *job) {
-    const iso_cloud *cloud = &job->cloud;
+    const iso_cloud *cloud = &job->cloud.discs;
     const iso_point_view view = iso_cloud_view(cloud);
     const iso_box box = iso_bounds_of_points(&view);
     const char *unit = iso_world_unit_suffix(isorender_unit(job));
@@ -233,7 +205,7 @@ void isorender_cloud_info(const isorender_job *job) {
 }
 
 void isorender_cloud_report(iso_json *json, const isorender_job *job) {
-    const iso_cloud *cloud = &job->cloud;
+    const iso_cloud *cloud = &job->cloud.discs;
     const iso_world_unit unit = isorender_unit(job);
     iso_json_string(json, "unit", unit == ISO_WORLD_UNIT_NONE ? NULL : iso_world_unit_suffix(unit) + 1);
     iso_json_integer(json, "estimated_normals", cloud->estimated_normals);

@@ -57,8 +57,8 @@ bool isorender_is_flat(const isorender_job *job, double ratio, iso_vec3 *across)
     const iso_box *box = &job->bounds_framed;
     const double size = iso_vec3_length(iso_vec3_sub(box->hi, box->lo));
     moments m = {.center = iso_vec3_scale(iso_vec3_add(box->lo, box->hi), 0.5), .scale = 1 / size};
-    if (!(size > 0) || job->outside_frame) return false;
-    if (job->loader.has_points) add_cloud(&m, &job->read_points, job->cloud.count);
+    if (!(size > 0) || job->cloud.outside) return false;
+    if (job->loader.has_points) add_cloud(&m, &job->read_points, job->cloud.discs.count);
     for (int i = 0; i < job->object_count; i++) add_object(&m, &job->objects[i]);
     if (!(m.count > 0)) return false;
     float covariance[6];

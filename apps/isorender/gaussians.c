@@ -1,6 +1,5 @@
 /* gaussians: a file of 3-D Gaussians as the input: checks options, reports them. */
 #include "apps/isorender/labels.h"
-#include "io/glyphs/glyphs_read.h"
 
 /* ---- whether they are drawn ---- */
 
@@ -17,7 +16,7 @@ iso_status isorender_gaussians_choose(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const bool chosen = settings->gaussians || (settings->method == ISORENDER_METHOD_UNCHOSEN &&
                                                 !isorender_is_translucent(settings));
-    job->gaussians = chosen && job->loader.has_points && iso_glyphs_are_gaussians(job->loader.path);
+    job->gaussians = chosen && job->loader.has_gaussians;
     if (settings->gaussians && !job->gaussians)
         return iso_fail(
             error, ISO_ERR_USAGE,

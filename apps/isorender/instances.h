@@ -3,8 +3,8 @@
 #define ISO_APPS_ISORENDER_INSTANCES_H
 
 #include "apps/common/json.h"
-#include "io/common/read_opts.h"
 #include "scene/instances.h"
+#include "scene/loader.h"
 
 typedef struct isorender_job isorender_job; /* isorender.h */
 

@@ -10,7 +10,7 @@
 #include "apps/isorender/plan.h"
 #include "apps/isorender/progress.h"
 #include "apps/isorender/settings.h"
-#include "clouds/cloud.h"
+#include "scene/cloud.h"
 #include "scene/gl_scene.h"
 #include "scene/loader.h"
 #include "scene/picture.h"
@@ -69,13 +69,11 @@ struct isorender_job {
 
     isorender_surface surfaces
         [ISORENDER_SURFACES]; /* those of the input, then one of each of `volumes`, then those of labels */
-    iso_cloud cloud;          /* of a file of points */
+    iso_scene_cloud cloud;    /* of a file of points */
     /* The input's points are drawn as 3-D Gaussians; `method` is then for what is beside them. */
     bool gaussians;
     isorender_object cloud_colors; /* how it is coloured; its glyphs are those of the loader */
     iso_point_view read_points;    /* of the cloud */
-    iso_box cloud_frame;           /* what a picture of it frames: iso_cloud_frame */
-    size_t outside_frame;          /* points that lie outside of it */
     int surface_count, input_surface_count;
     isorender_object objects[ISORENDER_OBJECTS]; /* their surface numbers follow those of the surfaces */
     int object_count;

@@ -21,7 +21,6 @@
 #include "apps/isorender/series.h"
 #include "apps/isorender/sheet.h"
 #include "io/file_contents.h"
-#include "io/mesh/mesh_read.h"
 #include "scene/glass.h"
 #include "scene/loader.h"
 

@@ -11,7 +11,6 @@
 #include "apps/common/page.h"
 #include "apps/isorender/segmentation.h"
 #include "base/text.h"
-#include "grids/volume/volume.h"
 
 static bool is_page(const isorender_settings *settings) {
     return settings->output && !settings->no_image && !settings->info && iso_page_is_named(settings->output);

@@ -17,7 +17,6 @@
 #include "apps/isorender/scene_file.h"
 #include "base/clock.h"
 #include "base/memory.h"
-#include "io/key_file.h"
 
 /* ---- one picture ---- */
 

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "apps/isorender/resolution_level.h"
-#include "grids/volume/volume.h"
 
 static double smallest_spacing(const iso_volume_info *info) {
     const double *s = info->transform.spacing;

@@ -128,7 +128,7 @@ static void free_surfaces(isorender_job *job) {
         iso_scene_surface_free(&job->surfaces[i].scene);
         iso_grid_destroy(&job->surfaces[i].own_grid);
     }
-    iso_cloud_free(&job->cloud);
+    iso_cloud_free(&job->cloud.discs);
     isorender_instances_free(job);
     for (int i = 0; i < job->object_count; i++) isorender_object_free(&job->objects[i]);
     free(job->frames);

@@ -2,13 +2,13 @@
 #include <math.h>
 #include <string.h>
 
-#include "apps/common/beside.h"
 #include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/label_meshes.h"
 #include "apps/isorender/segmentation.h"
+#include "scene/beside.h"
 #include "scene/bounds.h"
 
 /* ---- which isovalues ---- */
@@ -284,7 +284,7 @@ static iso_status extract_surface(isorender_job *job, isorender_surface *surface
 static iso_box to_local(const isorender_job *job, const iso_box *index) {
     const int *crop = job->loader.crop;
     const int around = job->settings->closed ? 1 : 0; /* voxels that --closed adds */
-    iso_transform transform = job->cloud.transform;
+    iso_transform transform = job->cloud.discs.transform;
     if (job->has_volume) {
         transform = iso_transform_local(iso_grid_transform(&job->surfaces[0].scene.grid));
         for (int axis = 0; axis < 3; axis++)
@@ -296,7 +296,8 @@ static iso_box to_local(const isorender_job *job, const iso_box *index) {
 
 /* The transform of a surface's index coordinates. */
 static iso_transform transform_of(const isorender_job *job, const isorender_surface *surface) {
-    return surface->loader->has_points ? job->cloud.transform : *iso_grid_transform(&surface->scene.grid);
+    return surface->loader->has_points ? job->cloud.discs.transform
+                                       : *iso_grid_transform(&surface->scene.grid);
 }
 
 /* The box of a surface in the coordinates to which `affine` maps its index coordinates, NULL: in these. */
@@ -454,7 +455,7 @@ static iso_status extract_all(isorender_job *job, iso_error *error) {
     choose_colors(job);
     choose_opacities(job);
     if (job->chunks) return extract_chunks(job, error);
-    if (job->loader.has_points) job->point_count = job->cloud.count;
+    if (job->loader.has_points) job->point_count = job->cloud.discs.count;
     for (int i = 0; i < job->surface_count; i++) {
         isorender_progress_part(job, "extracting", (double)i / job->surface_count,
                                 (double)(i + 1) / job->surface_count);
@@ -528,7 +529,7 @@ static iso_status export_meshes(isorender_job *job, const char *comment, iso_err
 
 static iso_status export_points(isorender_job *job, const char *comment, iso_error *error) {
     iso_point_view view = iso_scene_surface_points(&job->surfaces[0].scene);
-    if (job->loader.has_points) view.opacities = job->cloud.opacities; /* also when drawn opaque */
+    if (job->loader.has_points) view.opacities = job->cloud.discs.opacities; /* also when drawn opaque */
     const iso_coloring *coloring = isorender_colorings_exported(job, &job->surfaces[0], "--points");
     return iso_solid_write_points(job->plan->points, &view, coloring, job->pool, comment, error);
 }

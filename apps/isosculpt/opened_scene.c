@@ -10,7 +10,6 @@
 #include "apps/common/value_path.h"
 #include "apps/isosculpt/style.h"
 #include "base/file_types.h"
-#include "image/camera.h"
 
 bool isosculpt_is_scene(const char *path) {
     return iso_file_type_of_name(path, ISO_HOLDS_SCENE) != ISO_FILE_UNKNOWN;

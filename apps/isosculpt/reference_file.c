@@ -7,9 +7,9 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-#include "apps/common/beside.h"
 #include "base/text.h"
 #include "io/file_contents.h"
+#include "scene/beside.h"
 #include "source/source.h"
 
 /* ---- what a file can hold, in the order in which it is tried */

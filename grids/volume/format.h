@@ -3,7 +3,7 @@
  * grids/volume/volume.c calls `info`, checks the memory, and then calls `read` or, if the format has it,
  * `open_tiled`. `info` reads the header and allocates no memory for voxels. `read` gets the result of
  * `info` (dims, type, ...), creates the grid, and may add notes. C++ readers wrap every entry in the guard
- * of grids/volume/bridge_guard.hpp. Readers that need large libraries are modules (grids/volume/module.h),
+ * of base/bridge_guard.hpp. Readers that need large libraries are modules (grids/volume/module.h),
  * whose names are in volume.c. A format whose library was missing when Isopoint was built has an entry
  * without functions (format_none.c): ISO_ERR_UNSUPPORTED.
  *

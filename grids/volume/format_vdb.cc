@@ -13,8 +13,8 @@
 
 #include <openvdb/openvdb.h>
 
+#include "base/bridge_guard.hpp"
 #include "base/srgb.h"
-#include "grids/volume/bridge_guard.hpp"
 #include "grids/volume/level_set_vdb.hpp"
 #include "grids/volume/module.h"
 #include "grids/volume/vdb_archive.hpp"

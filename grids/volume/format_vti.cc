@@ -39,9 +39,9 @@
 #include <vtkXMLDataParser.h>
 #include <vtkXMLImageDataReader.h>
 
+#include "base/bridge_guard.hpp"
 #include "base/file.h"
 #include "base/memory.h"
-#include "grids/volume/bridge_guard.hpp"
 #include "grids/volume/format.h"
 #include "grids/volume/module.h"
 #include "grids/volume/vti_check.h"

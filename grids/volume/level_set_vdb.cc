@@ -10,8 +10,8 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
+#include "base/bridge_guard.hpp"
 #include "base/srgb.h"
-#include "grids/volume/bridge_guard.hpp"
 #include "grids/volume/vdb_archive.hpp"
 
 namespace {

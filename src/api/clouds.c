@@ -5,7 +5,6 @@
 
 #include "api/internal.h"
 #include "base/memory.h"
-#include "clouds/frame.h"
 #include "io/glyphs/glyphs_read.h"
 #include "scene/bounds.h"
 
@@ -94,20 +93,13 @@ static iso_status check_opts(const iso_surface_cloud_opts *opts, iso_error *erro
 static iso_status make_discs(const iso_surface_cloud_opts *opts, iso_surface *surface, iso_error *error) {
     iso_api_cloud *cloud = surface->cloud;
     const iso_glyphs *points = &cloud->points;
-    const iso_point_source source = iso_point_source_of_glyphs(points);
-    iso_cloud_opts how = {.radius = opts->radius,
-                          .estimate_radii = opts->estimate_radii,
-                          .estimate_normals = opts->estimate_normals,
-                          .without_normals = points->gaussians,
-                          .pool = surface->pool};
-    iso_point_survey survey;
-    size_t outside;
-    if (points->gaussians) how.radius = iso_gaussians_size((const float(*)[9])points->axes, points->count);
-    ISO_TRY(iso_point_source_survey(&source, surface->pool, &survey, error));
-    ISO_TRY(iso_cloud_frame(&source, &survey, &cloud->frame, &outside, error));
-    ISO_TRY(iso_cloud_make(points, &how, &cloud->discs, error));
+    const iso_cloud_opts how = {.radius = opts->radius,
+                                .estimate_radii = opts->estimate_radii,
+                                .estimate_normals = opts->estimate_normals,
+                                .pool = surface->pool};
+    ISO_TRY(iso_scene_cloud_make(&cloud->made, points, points->gaussians, &how, error));
     ISO_TRY(iso_point_workspace_create(&surface->scene.own_workspace, error));
-    cloud->view = iso_cloud_view(&cloud->discs);
+    cloud->view = iso_cloud_view(&cloud->made.discs);
     iso_api_cloud_hide_colors(cloud, surface->has_color);
     if (!points->gaussians) iso_glyphs_free(&cloud->points);
     return ISO_OK;
@@ -161,13 +153,13 @@ iso_status iso_surface_read_cloud(const char *path, const iso_surface_cloud_opts
 }
 
 void iso_api_cloud_hide_colors(iso_api_cloud *cloud, bool hidden) {
-    cloud->view.colors = hidden ? NULL : iso_cloud_view(&cloud->discs).colors;
+    cloud->view.colors = hidden ? NULL : iso_cloud_view(&cloud->made.discs).colors;
 }
 
 void iso_api_cloud_destroy(iso_api_cloud *cloud) {
     if (!cloud) return;
     iso_glyphs_free(&cloud->points);
-    iso_cloud_free(&cloud->discs);
+    iso_cloud_free(&cloud->made.discs);
     iso_free(cloud->opacities);
     iso_free(cloud);
 }

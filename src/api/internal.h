@@ -4,12 +4,12 @@
 #define ISO_API_INTERNAL_H
 
 #include "base/parallel.h"
-#include "clouds/cloud.h"
 #include "extract/points/points.h"
 #include "grids/labels/label_fields.h"
 #include "grids/volume/volume.h"
 #include "isopoint.h"
 #include "render/gaussians/gaussians.h"
+#include "scene/cloud.h"
 #include "scene/instances.h"
 #include "scene/object_file.h"
 #include "scene/occluders.h"
@@ -39,11 +39,10 @@ static inline iso_api_volume *iso_api_volume_of(iso_volume *volume) {
 
 /* Points without a volume. */
 typedef struct iso_api_cloud {
-    iso_glyphs points;   /* of Gaussians only, once the discs are made */
-    float *opacities;    /* of Gaussians, 0 .. 1 */
-    iso_cloud discs;     /* of Gaussians they only say where they are */
-    iso_point_view view; /* of the discs */
-    iso_box frame;       /* what a picture frames: the points but for few that lie far from the others */
+    iso_glyphs points; /* of Gaussians only, once the discs are made */
+    float *opacities;  /* of Gaussians, 0 .. 1 */
+    iso_scene_cloud made;
+    iso_point_view view; /* of its discs */
 } iso_api_cloud;
 
 struct iso_surface {

@@ -162,7 +162,7 @@ static iso_status prepare(rendering *r, iso_box *box, iso_error *error) {
     for (int i = 0; i < r->count; i++) {
         r->surfaces[i]->scene.transparency = r->translucent ? r->opts->transparency : ISO_TRANSPARENCY_SORTED;
         if (iso_api_is_gaussians(r->surfaces[i])) {
-            iso_bounds_add(box, &r->surfaces[i]->cloud->frame);
+            iso_bounds_add(box, &r->surfaces[i]->cloud->made.frame);
             continue;
         }
         if (r->surfaces[i]->volume) iso_api_watch_part(watch_of(r, i), 0, EXTRACTION);
@@ -336,7 +336,7 @@ static void set_up_objects(rendering *r, const iso_render_opts *opts) {
 static bool set_up_opacities(const rendering *r, iso_api_cloud *cloud) {
     const bool drawn = iso_method_is_splats(r->renderer->method) && !r->opts->glass &&
                        r->opts->occlusion == 0 && !r->opts->shadow && r->opts->outline == 0;
-    cloud->view.opacities = drawn ? cloud->discs.opacities : NULL;
+    cloud->view.opacities = drawn ? cloud->made.discs.opacities : NULL;
     return cloud->view.opacities != NULL;
 }
 

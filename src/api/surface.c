@@ -206,7 +206,7 @@ iso_status iso_api_surface_part(iso_surface *surface, iso_part part, iso_error *
 }
 
 iso_box iso_api_surface_bounds(const iso_surface *surface, iso_part part) {
-    return surface->cloud ? surface->cloud->frame : iso_bounds_of_part(&surface->scene, part);
+    return surface->cloud ? surface->cloud->made.frame : iso_bounds_of_part(&surface->scene, part);
 }
 
 iso_status iso_surface_bounds(iso_surface *surface, iso_box *box, iso_error *error) {

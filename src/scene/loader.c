@@ -224,6 +224,7 @@ iso_status iso_loader_open(iso_loader *loader, iso_error *error) {
     iso_file_set_read_as(loader->files, loader->path, iso_spool_name(loader->input));
     loader->has_points = !loader->options->has_raw && iso_loader_reads_points(loader->path, loader->columns);
     if (loader->has_points) {
+        loader->has_gaussians = iso_glyphs_are_gaussians(loader->path);
         iso_memory_use_files();
         return check_files(loader, error);
     }

@@ -60,7 +60,8 @@ typedef struct iso_loader {
     /* after iso_loader_open: */
     const char *path; /* what readers open: the input, or the copy of standard input or a FIFO */
     iso_spool spool;
-    bool has_points;       /* the input contains points instead of a volume */
+    bool has_points;       /* the input contains points instead of a volume, */
+    bool has_gaussians;    /* and these are 3-D Gaussians (iso_glyphs_are_gaussians) */
     bool mappable;         /* the volume's voxels can stay in its files (iso_volume_opts.mappable) */
     bool has_strokes;      /* the input is a stroke file; the volume is the level set that they make */
     iso_volume volume;     /* the header; for scenes also the grid */

@@ -12,8 +12,8 @@
 #include <openvdb/tools/VolumeToMesh.h>
 #include <tbb/global_control.h>
 
+#include "base/bridge_guard.hpp"
 #include "bench_peers.h"
-#include "grids/volume/bridge_guard.hpp"
 
 struct bench_volume_to_mesh {
     openvdb::FloatGrid::Ptr grid;

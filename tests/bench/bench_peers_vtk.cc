@@ -13,8 +13,8 @@
 #include <vtkSMPTools.h>
 #include <vtkXMLImageDataReader.h>
 
+#include "base/bridge_guard.hpp"
 #include "bench_peers.h"
-#include "grids/volume/bridge_guard.hpp"
 
 struct bench_flying_edges {
     vtkNew<vtkImageData> image;

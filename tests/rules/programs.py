@@ -18,11 +18,7 @@ OPEN = ("apps", "base", "scene")
 OWN = {"compare": "isocompare"}
 
 HEADERS = """
-clouds/cloud.h                       isorender
-clouds/frame.h                       isorender
-exact/exact.h                        isosculpt
 exact/layers.h                       isosculpt
-extract/mesh/mesh.h                  isosculpt
 extract/points/points.h              isosculpt
 grids/brick_index.h                  common isosculpt page
 grids/closing/closed_mesh.h          isosculpt
@@ -30,27 +26,19 @@ grids/grid.h                         isosculpt
 grids/hgrid.h                        isosculpt
 grids/kept.h                         common
 grids/rgrid.h                        isosculpt
-grids/volume/bridge_guard.hpp        isosculpt
 grids/volume/module.h                isorender mpi
-grids/volume/volume.h                isorender
 grids/volume_index.h                 isorender
 image/camera.h                       isosculpt
-image/image.h                        common isosculpt
+image/image.h                        common
 io/chunk_export.h                    isorender
-io/common/read_opts.h                common isorender
 io/file_contents.h                   isorender isosculpt
-io/glyphs/glyphs_read.h              isorender
 io/glyphs/placements_read.h          isorender
 io/key_file.h                        isorender
-io/mesh/mesh_read.h                  isorender
-io/mesh/mesh_write.h                 isorender isosculpt
+io/mesh/mesh_write.h                 isosculpt
 render/gl/canvas.h                   isosculpt
 render/layers/opacity.h              isosculpt
-render/point_surface.h               isosculpt
 render/shading/outline.h             isosculpt
 render/shading/shading.h             isosculpt
-render/shapes/shapes.h               isosculpt
-render/view/gbuffer.h                isosculpt
 sculpt/brush/brush.h                 isosculpt
 sculpt/brush/dab.h                   isosculpt
 sculpt/session/session.h             isosculpt

@@ -5,9 +5,7 @@
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_LAYER_STORE_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_LAYER_STORE_H
 
-#include "exact/exact.h"
-#include "render/shapes/shapes.h"
-#include "render/view/gbuffer.h"
+#include "scene/layered_picture.h"
 
 /* A layer behind a sample, in 12 bytes. */
 typedef struct isosculpt_stored_layer {

@@ -3,8 +3,7 @@
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_MEMORY_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_MEMORY_H
 
-#include "image/image.h"
-#include "render/view/gbuffer.h"
+#include "scene/method.h"
 
 /* Makes a gbuffer width x height samples large; its contents are undefined afterwards if it had to grow.
  * ISO_ERR_NOMEM leaves it as it was. */

@@ -19,7 +19,7 @@
 #include "apps/isosculpt/save.h"
 #include "apps/isosculpt/window/keyboard.h"
 #include "apps/isosculpt/window/panel_parts.hpp"
-#include "grids/volume/bridge_guard.hpp"
+#include "base/bridge_guard.hpp"
 
 struct rectangle { /* window coordinates */
     ImVec2 position, size;

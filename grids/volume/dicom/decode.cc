@@ -19,7 +19,7 @@
 #include <gdcmTrace.h>
 #include <gdcmTransferSyntax.h>
 
-#include "grids/volume/bridge_guard.hpp"
+#include "base/bridge_guard.hpp"
 #include "grids/volume/module.h"
 
 namespace {

@@ -1,7 +1,7 @@
 /* beside: detects files whose box lies beside everything else, and writes a note. Most files of lines and
  * glyphs do not state the axes of their coordinates, so they may have been read mirrored. */
-#ifndef ISO_APPS_COMMON_BESIDE_H
-#define ISO_APPS_COMMON_BESIDE_H
+#ifndef ISO_SCENE_BESIDE_H
+#define ISO_SCENE_BESIDE_H
 
 #include "io/common/read_opts.h"
 

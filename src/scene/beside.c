@@ -1,5 +1,5 @@
 /* beside: compares boxes and writes the note about a file that lies beside the others. */
-#include "apps/common/beside.h"
+#include "scene/beside.h"
 
 #include <stdio.h>
 

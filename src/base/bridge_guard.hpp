@@ -2,8 +2,8 @@
  *
  * Every function that C calls in a bridge runs its body in iso::guard. A callback from C into a bridge must
  * not longjmp; it returns a status. */
-#ifndef ISO_GRIDS_VOLUME_BRIDGE_GUARD_HPP
-#define ISO_GRIDS_VOLUME_BRIDGE_GUARD_HPP
+#ifndef ISO_BASE_BRIDGE_GUARD_HPP
+#define ISO_BASE_BRIDGE_GUARD_HPP
 
 #include <exception>
 #include <new>
