@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The README and the pages of docs/ keep to their sizes, and every link in them leads to a file and a heading.
+"""The README and the pages of docs/ keep to their sizes, and every link in them leads to a file and a heading; the
+map of the architecture names every folder.
 
 usage: pages.py ROOT
 """
@@ -50,10 +51,20 @@ def over_budget(path):
             yield "%s: %d %s, at most %d" % (path, found[what], what, most)
 
 
+def unnamed_folders(root):
+    """The folders of sources that the map does not name."""
+    text = (root / "docs/ARCHITECTURE.md").read_text(encoding="utf-8")
+    folders = {path.parent.relative_to(root) for top in ("src", "grids", "apps") for path in (root / top).rglob("*.[ch]*")}
+    folders |= {path.parent.relative_to(root) for top in ("tests", "tools") for path in (root / top).glob("*/*")}
+    for folder in sorted(folders):
+        if "__pycache__" not in folder.parts and "`%s`" % folder not in text and not re.search(r"\b%s/" % re.escape(folder.name), text):
+            yield "docs/ARCHITECTURE.md does not name the folder %s" % folder
+
+
 def main():
     root = Path(sys.argv[1])
     pages = sorted((root / "docs").glob("*.md"))
-    bad = list(over_budget(root / "README.md"))
+    bad = [*over_budget(root / "README.md"), *unnamed_folders(root)]
     for page in [root / "README.md", *sorted(root.glob("CONTRIBUTING.md")), *pages]:
         bad += wrong_links(page)
     rows = (root / "docs/GLOSSARY.md").read_text(encoding="utf-8").count("\n| ")
