@@ -328,7 +328,7 @@ static iso_status fail_unknown(const iso_program *program, int argc, char *const
                                iso_error *error) {
     char all[sizeof error->text] = "";
     size_t used = 0;
-    int count = 0;
+    int count = 0, more = 0;
     for (int i = first; i < argc && strcmp(argv[i], "--") != 0; i++) {
         const bool long_name = strncmp(argv[i], "--", 2) == 0; /* -1 may be a number */
         if (i > first && !long_name) continue;
@@ -338,9 +338,13 @@ static iso_status fail_unknown(const iso_program *program, int argc, char *const
         if (option) break;
         char one[384];
         explain_unknown(program, argv[i], one, sizeof one);
-        if (used + strlen(one) + 64 > sizeof all) break;
+        if (used + strlen(one) + 64 > sizeof all) {
+            more++;
+            continue;
+        }
         used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", count++ ? ", " : "", one);
     }
+    if (more) snprintf(all + used, sizeof all - used, ", and %d more", more);
     return iso_fail(error, ISO_ERR_USAGE, "unknown option%s %s", count > 1 ? "s" : "", all);
 }
 

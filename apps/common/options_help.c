@@ -199,12 +199,19 @@ static bool speaks_of(const iso_option *option, const char *word) {
     return false;
 }
 
+/* Prints the options that speak of a word, or that the word is what others call them. */
 static bool print_options_with(const iso_program *program, const char *word, FILE *stream) {
     bool found = false;
+    char name[64]; /* as an option's name */
+    snprintf(name, sizeof name, "%s", word);
+    for (char *c = name; *c; c++) *c = *c == ' ' || *c == '_' ? '-' : (char)tolower((unsigned char)*c);
     for (int group = 0; program->groups[group]; group++)
         for (size_t i = 0; i < program->option_count; i++) {
             const iso_option *option = &program->options[i];
-            if (!is_shown(option, group) || !speaks_of(option, word)) continue;
+            if (!is_shown(option, group)) continue;
+            if (!speaks_of(option, word) && !speaks_of(option, name) &&
+                !iso_synonym_means(name, option->name))
+                continue;
             print_option(stream, option);
             found = true;
         }

@@ -28,6 +28,13 @@ static int list_options(const iso_program *program, const char *options, char *t
     return count;
 }
 
+bool iso_synonym_means(const char *name, const char *option) {
+    for (size_t i = 0; i < sizeof synonyms / sizeof *synonyms; i++)
+        if (iso_text_has_word(synonyms[i].words, name, strlen(name)))
+            return synonyms[i].options && iso_text_has_word(synonyms[i].options, option, strlen(option));
+    return false;
+}
+
 bool iso_synonym_explain(const iso_program *program, const char *name, char *text, size_t size) {
     for (size_t i = 0; i < sizeof synonyms / sizeof *synonyms; i++) {
         const struct synonym *row = &synonyms[i];

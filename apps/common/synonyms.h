@@ -12,4 +12,7 @@
  * --help". False, and `text` untouched: the name is not a known word. */
 bool iso_synonym_explain(const iso_program *program, const char *name, char *text, size_t size);
 
+/* Whether someone who types `name`, in the same form, means this option of the program. */
+bool iso_synonym_means(const char *name, const char *option);
+
 #endif

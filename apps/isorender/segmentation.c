@@ -7,6 +7,7 @@
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/label_items.h"
 #include "apps/isorender/label_table.h"
+#include "base/file.h"
 
 const char *isorender_labels_path(const isorender_job *job) {
     return job->settings->smooth ? job->plan->input : job->settings->labels;
@@ -23,6 +24,13 @@ iso_status isorender_segmentation_check(const isorender_settings *settings, iso_
     if (settings->labels && settings->smooth)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--smooth draws the input as labels, --labels another file: give one of them");
+    for (int i = 0; settings->labels && i < settings->input_count; i++)
+        if (iso_file_same(settings->labels, settings->inputs[i]))
+            return iso_fail(
+                error, ISO_ERR_USAGE,
+                "--labels %s: is the input, whose isosurface would be in the way: --smooth draws its "
+                "labels",
+                settings->labels);
     const char *unfit = !given                            ? NULL
                         : settings->ior > 0               ? "--ior"
                         : settings->parts                 ? "--part"
@@ -212,7 +220,7 @@ void isorender_report_labels(iso_json *json, const isorender_job *job) {
 void isorender_segmentation_note(const isorender_job *job) {
     const iso_rgrid *grid = job->loader.volume.grid.rgrid;
     int last;
-    if (!grid || grid->level_set || job->chunks || iso_loader_is_scene(job->loader.input)) return;
+    if (!grid || grid->level_set || job->chunks) return;
     const int values = iso_segmentation_guess(grid, &last);
     if (values == 2)
         isorender_log(job, "note: this is a mask (0 and %d): --smooth draws it without steps", last);
