@@ -25,7 +25,8 @@ iso_status isorender_segmentation_check(const isorender_settings *settings, iso_
         return iso_fail(error, ISO_ERR_USAGE,
                         "--smooth draws the input as labels, --labels another file: give one of them");
     for (int i = 0; settings->labels && i < settings->input_count; i++)
-        if (iso_file_same(settings->labels, settings->inputs[i]))
+        if (settings->inputs[i] != settings->labels && /* which is the input where there is no other */
+            iso_file_same(settings->labels, settings->inputs[i]))
             return iso_fail(
                 error, ISO_ERR_USAGE,
                 "--labels %s: is the input, whose isosurface would be in the way: --smooth draws its "

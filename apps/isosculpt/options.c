@@ -315,21 +315,32 @@ static iso_status refuse_recovery(iso_error *error) {
                     journal);
 }
 
+/* What is not said about the video; refuses what is said if there is none. */
+static iso_status complete_video(isosculpt_settings *settings, iso_error *error) {
+    const char *given = settings->seconds > 0      ? "--seconds"
+                        : settings->turntable >= 0 ? "--turntable"
+                        : settings->frame_rate > 0 ? "--frame-rate"
+                                                   : NULL;
+    if (given && !settings->video) return iso_fail(error, ISO_ERR_USAGE, "%s is for --video FILE", given);
+    if (settings->frame_rate <= 0) settings->frame_rate = 25;
+    if (settings->seconds <= 0) settings->seconds = 10;
+    if (settings->turntable < 0) settings->turntable = settings->replay ? 0 : 5;
+    return ISO_OK;
+}
+
 iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_settings *settings,
                                     iso_operands *operands, iso_error *error) {
     memset(settings, 0, sizeof *settings);
     settings->isovalue = NAN;
-    settings->frame_rate = 25;
     settings->resolution[0] = 1280;
     settings->resolution[1] = 800;
-    settings->seconds = 10;
     settings->turntable = -1;
     ISO_TRY(iso_options_parse(isosculpt_program(), argc, argv, settings, operands, error));
     if (settings->common.action) return ISO_OK;
     ISO_TRY(check_files(settings, operands, error));
     if (settings->space && !settings->references.count)
         return iso_fail(error, ISO_ERR_USAGE, "--space is for --reference, which is not given");
-    if (settings->turntable < 0) settings->turntable = settings->replay ? 0 : 5;
+    ISO_TRY(complete_video(settings, error));
     if (!settings->headless) return check_window(settings, operands, error);
     if (settings->recover) return refuse_recovery(error);
     if (settings->scale > 0 || settings->font)

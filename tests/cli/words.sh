@@ -40,7 +40,7 @@ means --show-edges 'did you mean --outline?'
 means --labelmap 'did you mean --labels?'
 means --interpolation '.*--reconstruction-filter cubic is smooth'
 means --color-bar-title 'did you mean --color-bar?'
-refuses 2 '--help: there is no option .cmap.: did you mean --colormap?' isorender --help cmap
+isorender --help cmap | grep -q -e --colormap
 means --metallic 'surfaces are lit by one model; .* --ior makes glass'
 means --bone 'a tissue has no name here: .*'
 means --jpg 'did you mean --output?'
