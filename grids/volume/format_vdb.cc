@@ -652,4 +652,4 @@ const iso_format format = {"vdb", "OpenVDB", nullptr, vdb_info, vdb_read, nullpt
 
 } // namespace
 
-ISO_MODULE(&format, nullptr, iso_vdb_write_level_set, read_colors);
+ISO_MODULE(&format, nullptr, iso_vdb_write_level_set, read_colors, nullptr);

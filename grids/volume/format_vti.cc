@@ -24,10 +24,13 @@
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkDataArraySelection.h>
+#include <vtkDataCompressor.h>
 #include <vtkDataObject.h>
 #include <vtkImageData.h>
 #include <vtkInformation.h>
 #include <vtkInformationVector.h>
+#include <vtkLZ4DataCompressor.h>
+#include <vtkLZMADataCompressor.h>
 #include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
@@ -611,8 +614,24 @@ iso_status vti_read(const char *path, const iso_volume_opts *opts, iso_volume_in
     });
 }
 
+size_t unpack(bool lzma, const unsigned char *packed, size_t size, unsigned char *to, size_t room) noexcept {
+    size_t got = 0;
+    iso_error error = {};
+    const iso_status status = iso::guard("", &error, [&]() -> iso_status {
+        quiet_vtk vtk;
+        vtkSmartPointer<vtkDataCompressor> compressor;
+        if (lzma)
+            compressor = vtkSmartPointer<vtkLZMADataCompressor>::New();
+        else
+            compressor = vtkSmartPointer<vtkLZ4DataCompressor>::New();
+        got = compressor->Uncompress(packed, size, to, room);
+        return ISO_OK;
+    });
+    return status == ISO_OK ? got : 0;
+}
+
 const iso_format format = {"vti", "VTK", nullptr, vti_info, vti_read, nullptr};
 
 } // namespace
 
-ISO_MODULE(&format, nullptr, nullptr, nullptr);
+ISO_MODULE(&format, nullptr, nullptr, nullptr, unpack);

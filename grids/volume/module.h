@@ -26,7 +26,7 @@ extern "C" {
 #endif
 
 /* Increase this if a type that modules share with the library changes between two releases. */
-#define ISO_MODULE_ABI 14
+#define ISO_MODULE_ABI 15
 
 struct iso_level_set_colors;
 /* Writes an hgrid to `stream`, as iso_level_set_put_vdb; `path` is for messages. */
@@ -38,6 +38,11 @@ typedef iso_status iso_level_set_writer(FILE *stream, const char *path, const is
 typedef iso_status iso_color_reader(const char *path, const iso_volume_opts *opts,
                                     const iso_color_receiver *to, iso_error *error);
 
+/* Undoes the compression of a block by vtkLZMADataCompressor (`lzma`) or vtkLZ4DataCompressor. Returns the
+ * number of bytes written to `to`, at most `room`; 0: it is damaged. */
+typedef size_t iso_vtk_unpacker(bool lzma, const unsigned char *packed, size_t size, unsigned char *to,
+                                size_t room);
+
 /* The table of a module; functions that it does not have are NULL. */
 typedef struct iso_module {
     int abi; /* the first member, so that every version can read it */
@@ -48,6 +53,7 @@ typedef struct iso_module {
     iso_color_reader *read_colors;
     const iso_message_passing *messages;
     const iso_remote *remote;
+    iso_vtk_unpacker *vtk_unpack;
 } iso_module;
 
 #ifdef __cplusplus
@@ -57,10 +63,10 @@ typedef struct iso_module {
 #endif
 
 /* Defines the one symbol that a module exports. ISO_VERSION comes from the build. */
-#define ISO_MODULE(format, dicom_decode, write_level_set, read_colors)                                       \
+#define ISO_MODULE(format, dicom_decode, write_level_set, read_colors, vtk_unpack)                           \
     ISO_MODULE_EXTERN const iso_module iso_module_table;                                                     \
-    const iso_module iso_module_table = {ISO_MODULE_ABI,  ISO_VERSION, format, dicom_decode,                 \
-                                         write_level_set, read_colors, 0,      0}
+    const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, format, dicom_decode, write_level_set, \
+                                         read_colors,    0,           0,      vtk_unpack}
 
 /* Loads module `name` and returns its table, which stays valid. `path` is the file that needs it and
  * `library` the library that it uses, both for messages. ISO_ERR_UNSUPPORTED: the module or a library is not

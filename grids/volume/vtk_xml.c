@@ -113,10 +113,13 @@ static iso_status take_sizes(iso_vtk_xml *x, source *s, uint64_t head[3], iso_er
                : iso_vtk_xml_bad(x, "an array is not in base64", error);
 }
 
-/* Checks the sizes: all compressed bytes exist, and no block is larger than 1032 times its compressed size,
- * the most that zlib can reach. Sets x->bytes and *packed. */
+/* Checks the sizes: all compressed bytes exist, and the blocks are not larger than the method can make them.
+ * Sets x->bytes and *packed. */
 static iso_status check_sizes(iso_vtk_xml *x, const source *s, const uint64_t head[3], uint64_t *packed,
                               iso_error *error) {
+    /* The most bytes that a compressed one can stand for: of LZ4 255; of LZMA, whose decisions take at least
+       a fiftieth of a bit, some 7,000 (a repeated match of 273 bytes has 14 of them). */
+    const uint64_t most = x->packing == ISO_VTK_LZMA ? 8192 : 1032;
     const uint64_t blocks = head[0], last = head[2] ? head[2] : head[1];
     *packed = x->bytes = 0;
     if (blocks == 0) return ISO_OK;
@@ -125,9 +128,16 @@ static iso_status check_sizes(iso_vtk_xml *x, const source *s, const uint64_t he
         if (!has_bytes(s, size) || !has_bytes(s, *packed += size)) return iso_vtk_xml_ends(x, error);
     }
     if (__builtin_mul_overflow(blocks - 1, head[1], &x->bytes) ||
-        __builtin_add_overflow(x->bytes, last, &x->bytes) || x->bytes / 1032 > *packed || last > head[1])
+        __builtin_add_overflow(x->bytes, last, &x->bytes) || x->bytes / most > *packed || last > head[1])
         return iso_vtk_xml_bad(x, "the sizes of compressed blocks are not possible", error);
     return ISO_OK;
+}
+
+static bool unpack_block(const iso_vtk_xml *x, const unsigned char *packed, size_t size, unsigned char *to,
+                         size_t wanted) {
+    uLongf got = (uLongf)wanted;
+    if (x->packing == ISO_VTK_ZLIB) return uncompress(to, &got, packed, (uLong)size) == Z_OK && got == wanted;
+    return x->unpacker->vtk_unpack(x->packing == ISO_VTK_LZMA, packed, size, to, wanted) == wanted;
 }
 
 static iso_status unpack(iso_vtk_xml *x, const uint64_t head[3], const unsigned char *packed,
@@ -136,8 +146,7 @@ static iso_status unpack(iso_vtk_xml *x, const uint64_t head[3], const unsigned 
     for (uint64_t i = 0; i < head[0]; i++) {
         const uint64_t size = load_count(x, (const unsigned char *)x->sizes.data + i * x->header),
                        wanted = i + 1 < head[0] || head[2] == 0 ? head[1] : head[2];
-        uLongf got = (uLongf)wanted;
-        if (uncompress(to, &got, packed, (uLong)size) != Z_OK || got != wanted)
+        if (!unpack_block(x, packed, (size_t)size, to, (size_t)wanted))
             return iso_fail(error, ISO_ERR_IO, "%s: corrupt: a compressed block", x->path);
         packed += size;
         to += wanted;
@@ -185,7 +194,7 @@ static iso_status take_text(iso_vtk_xml *x, const iso_vtk_array *a, uint64_t cou
 iso_status iso_vtk_xml_decode(iso_vtk_xml *x, const iso_vtk_array *a, uint64_t count, iso_error *error) {
     if (a->encoding == ISO_VTI_TEXT) return take_text(x, a, count, error);
     const source s = {a->begin, x->end, a->encoding == ISO_VTI_BASE64};
-    ISO_TRY(x->compressed ? take_compressed(x, s, error) : take_plain(x, s, error));
+    ISO_TRY(x->packing != ISO_VTK_PLAIN ? take_compressed(x, s, error) : take_plain(x, s, error));
     uint64_t wanted;
     if (__builtin_mul_overflow(count, iso_scalar_size(a->scalar), &wanted) || x->bytes != wanted)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: array '%.60s' has %llu bytes, not %llu", x->path,
@@ -253,6 +262,21 @@ iso_status iso_vtk_xml_array(const iso_vtk_xml *x, const iso_xml_tag *tag, iso_v
     return locate(x, tag, array, error);
 }
 
+static iso_status find_unpacker(iso_vtk_xml *x, const char *compressor, iso_error *error) {
+    static const char *const names[] = {
+        [ISO_VTK_PLAIN] = "",
+        [ISO_VTK_ZLIB] = "vtkZLibDataCompressor",
+        [ISO_VTK_LZ4] = "vtkLZ4DataCompressor",
+        [ISO_VTK_LZMA] = "vtkLZMADataCompressor",
+    };
+    x->packing = ISO_VTK_PLAIN;
+    while (strcmp(compressor, names[x->packing]) != 0)
+        if (++x->packing == sizeof names / sizeof *names)
+            return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                            "%s: compressed by %.80s: zlib, LZ4 and LZMA are supported", x->path, compressor);
+    return x->packing < ISO_VTK_LZ4 ? ISO_OK : iso_module_load(x->path, "vti", "VTK", &x->unpacker, error);
+}
+
 iso_status iso_vtk_xml_open(iso_vtk_xml *x, const char *text, size_t count, const char *type,
                             iso_error *error) {
     char value[ISO_XML_TEXT] = "";
@@ -267,10 +291,7 @@ iso_status iso_vtk_xml_open(iso_vtk_xml *x, const char *text, size_t count, cons
                         *value ? value : "VTKFile without a type", type);
     x->big_endian = iso_xml_attribute_is(&t, "byte_order", "BigEndian");
     x->header = iso_xml_attribute_is(&t, "header_type", "UInt64") ? 8 : 4;
-    x->compressed = iso_xml_attribute(&t, "compressor", value) && *value;
-    if (x->compressed && strcmp(value, "vtkZLibDataCompressor") != 0)
-        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: compressed by %.80s: only zlib is supported",
-                        x->path, value);
     find_appended(x);
-    return ISO_OK;
+    if (!iso_xml_attribute(&t, "compressor", value)) *value = 0;
+    return find_unpacker(x, value, error);
 }

@@ -1,16 +1,19 @@
 /* vtk_xml: the arrays of numbers in VTK's XML files ("VTK XML Formats", docs.vtk.org), which are text or
  * bytes. Bytes are raw or in base64, inside the element or appended after all elements, and may be divided
- * into blocks that are compressed by zlib. They begin with numbers that state their length; in compressed
- * arrays these numbers are encoded in base64 separately. Every length is checked before memory is taken. */
+ * into blocks that are compressed by zlib, LZ4 or LZMA (the last two by VTK, in a module). They begin with
+ * numbers that state their length; in compressed arrays these numbers are encoded in base64 separately. Every
+ * length is checked before memory is taken. */
 #ifndef ISO_GRIDS_VOLUME_VTK_XML_H
 #define ISO_GRIDS_VOLUME_VTK_XML_H
 
 #include "base/memory.h"
 #include "base/xml.h"
-#include "grids/volume/format.h"
+#include "grids/volume/module.h"
 #include "grids/volume/vti_check.h"
 
 enum { ISO_VTK_NAME = 64 };
+
+typedef enum iso_vtk_packing { ISO_VTK_PLAIN, ISO_VTK_ZLIB, ISO_VTK_LZ4, ISO_VTK_LZMA } iso_vtk_packing;
 
 /* Where and how the values of an array are stored. */
 typedef struct iso_vtk_array {
@@ -31,7 +34,9 @@ typedef struct iso_vtk_xml {
     iso_xml markup;       /* the rest of it */
     const char *appended; /* where offsets into the appended data count from; NULL: there is no such data */
     const char *end;      /* the end of the file */
-    bool appended_raw, big_endian, compressed;
+    bool appended_raw, big_endian;
+    iso_vtk_packing packing;
+    const iso_module *unpacker;       /* of LZ4 and LZMA */
     size_t header;                    /* bytes of each number in the header of an array: 4 or 8 */
     iso_buffer values, sizes, packed; /* the decoded bytes of an array; the numbers of its header */
     uint64_t bytes;                   /* number of bytes in `values` */
@@ -42,7 +47,8 @@ iso_status iso_vtk_xml_bad(const iso_vtk_xml *x, const char *what, iso_error *er
 iso_status iso_vtk_xml_ends(const iso_vtk_xml *x, iso_error *error);
 
 /* Begins reading `count` bytes: finds the element VTKFile, whose type must be `type`, and the appended data.
- * ISO_ERR_FORMAT; ISO_ERR_UNSUPPORTED: arrays are compressed by another method. */
+ * ISO_ERR_FORMAT; ISO_ERR_UNSUPPORTED: arrays are compressed by another method, or by one of VTK, whose
+ * module is not installed. */
 iso_status iso_vtk_xml_open(iso_vtk_xml *x, const char *text, size_t count, const char *type,
                             iso_error *error);
 

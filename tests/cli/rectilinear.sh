@@ -2,6 +2,7 @@
 # interpolation has them; unstructured grids are refused with what resamples them.
 python3 - <<'P'
 import base64
+import lzma
 import struct
 import zlib
 from check import *
@@ -65,18 +66,30 @@ vtk("sliver.vtk", ([0.5, 0.500001] + even[0][1:], *even[1:]))
 noise = [struct.unpack("f", struct.pack("f", 7000 + 0.1 * i))[0] for i in range(8)]
 vtk("noise.vtk", (noise, *even[1:]), binary=True, of=lambda x, y, z: value(0.5 + round((x - 7000) * 10), y, z))
 
+def lz4(data): # a block of literals, in which the first repetition of four bytes is a match
+    def length(n):
+        return b"" if n < 15 else bytes([255] * ((n - 15) // 255) + [(n - 15) % 255])
+    def literals(n, match):
+        return bytes([min(n, 15) << 4 | match]) + length(n)
+    for at in range(4, len(data) - 16):
+        before = data.find(data[at:at + 4], 0, at)
+        if before >= 0:
+            rest = data[at + 4:]
+            return literals(at, 0) + data[:at] + struct.pack("<H", at - before) + literals(len(rest), 0) + rest
+    return literals(len(data), 0) + data
+
 def vtr(name, axes, how="ascii", cells=False, order="Little"):
-    """how: ascii, binary (base64), raw or zlib (appended), or packed (zlib in base64)."""
+    """how: ascii, binary (base64), raw, zlib, lz4 or lzma (appended), or packed (zlib in base64)."""
     middles = [[(a + b) / 2 for a, b in zip(x, x[1:])] for x in axes] if cells else axes
     values = [float(value(x, y, z)) for z in middles[2] for y in middles[1] for x in middles[0]]
     sign, appended = "<" if order == "Little" else ">", b""
-    compress = how in ("zlib", "packed")
+    compress = how in ("zlib", "packed", "lz4", "lzma")
     def array(name, code, numbers):
         nonlocal appended
         data = struct.pack("%s%d%s" % (sign, len(numbers), code), *numbers)
         if compress:
             blocks = [data[i:i + 1000] for i in range(0, len(data), 1000)]
-            packed = [zlib.compress(b) for b in blocks]
+            packed = [{"lz4": lz4, "lzma": lambda b: lzma.compress(b, check=lzma.CHECK_CRC32)}.get(how, zlib.compress)(b) for b in blocks]
             head = struct.pack("%s%dI" % (sign, 3 + len(blocks)), len(blocks), 1000, len(data) % 1000, *map(len, packed))
             text = base64.b64encode(head) + base64.b64encode(b"".join(packed))
             data = head + b"".join(packed)
@@ -84,7 +97,7 @@ def vtr(name, axes, how="ascii", cells=False, order="Little"):
             data = struct.pack(sign + "I", len(data)) + data
             text = base64.b64encode(data)
         tag = '<DataArray type="Float%d" Name="%s" ' % (struct.calcsize(code) * 8, name)
-        if how in ("raw", "zlib"):
+        if how in ("raw", "zlib", "lz4", "lzma"):
             tag += 'format="appended" offset="%d"/>' % len(appended)
             appended += data
             return tag
@@ -93,13 +106,13 @@ def vtr(name, axes, how="ascii", cells=False, order="Little"):
     of = "Cell" if cells else "Point"
     data = ('<?xml version="1.0"?><VTKFile type="RectilinearGrid" version="0.1" byte_order="%sEndian"%s><RectilinearGrid WholeExtent="%s">'
             '<Piece Extent="%s"><%sData Scalars="v">%s</%sData><Coordinates>%s</Coordinates></Piece></RectilinearGrid>' % (
-                order, ' compressor="vtkZLibDataCompressor"' if compress else "", box, box, of, array("v", "f", values), of,
+                order, ' compressor="vtk%sDataCompressor"' % {"lz4": "LZ4", "lzma": "LZMA"}.get(how, "ZLib") if compress else "", box, box, of, array("v", "f", values), of,
                 "".join(array("c%d" % i, "d", x) for i, x in enumerate(axes)))).encode()
     if appended:
         data += b'<AppendedData encoding="raw">_' + appended + b"</AppendedData>"
     open("in/" + name, "wb").write(data + b"</VTKFile>")
 
-for how in ("ascii", "binary", "raw", "zlib", "packed"):
+for how in ("ascii", "binary", "raw", "zlib", "packed", "lz4", "lzma"):
     vtr("even_%s.vtr" % how, even, how)
     vtr("uneven_%s.vtr" % how, uneven, how, order="Big")
 vtr("even_cells.vtr", even, "raw", cells=True)
@@ -117,7 +130,7 @@ expect(max(abs(p - q) for p, q in zip(a["bounds_world"], b["bounds_world"])) < 1
 for file in text binary double; do same even.nrrd $file.vtk; done
 same cells.nrrd cells.vtk
 same cells.nrrd even_cells.vtr
-for how in ascii binary raw zlib packed; do
+for how in ascii binary raw zlib packed lz4 lzma; do
     same even.nrrd even_$how.vtr
     same uneven.nrrd uneven_$how.vtr
 done
@@ -142,12 +155,17 @@ isorender in/uneven.vtk --info 2>&1 | grep -q 'resampled from 7 x 11 x 7 voxels 
 isorender_refuses 3 'in/falling.vtk: its coordinates on axis 0 do not rise' in/falling.vtk
 isorender_refuses 3 'in/vast.vtk: its steps on axis 0, from 1e-09 on, are too uneven' in/vast.vtk
 isorender_refuses 5 'in/large.vtk: needs .* to read' in/large.vtk
-for how in raw binary zlib ascii; do
+for how in raw binary zlib ascii lz4 lzma; do
     head -c -700 in/even_$how.vtr >in/cut.vtr
     isorender_refuses 3 'in/cut.vtr: ' in/cut.vtr
 done
-sed 's/ZLib/LZ4/' in/even_zlib.vtr >in/lz4.vtr
-isorender_refuses 3 'in/lz4.vtr: compressed by vtkLZ4DataCompressor: only zlib is supported' in/lz4.vtr
+sed 's/ZLib/Own/' in/even_zlib.vtr >in/own.vtr
+isorender_refuses 3 'in/own.vtr: compressed by vtkOwnDataCompressor: zlib, LZ4 and LZMA are supported' in/own.vtr
+sed 's/ZLib/LZ4/' in/even_zlib.vtr >in/wrong.vtr
+isorender_refuses 3 'in/wrong.vtr: corrupt: a compressed block' in/wrong.vtr
+sed 's/ZLib/LZMA/' in/even_zlib.vtr >in/wrong.vtr
+isorender_refuses 3 'in/wrong.vtr: corrupt: a compressed block' in/wrong.vtr
+ISO_MODULE_PATH=$PWD isorender_refuses 3 "in/even_lz4.vtr: the VTK reader (libisopoint-vti.so) is not installed: not in $PWD" in/even_lz4.vtr
 sed 's/<Piece Extent="3 /<Piece Extent="4 /' in/even_raw.vtr >in/pieces.vtr
 isorender_refuses 3 'in/pieces.vtr: is in several pieces: save it in one' in/pieces.vtr
 sed 's/X_COORDINATES 8/X_COORDINATES 7/' in/text.vtk >in/few.vtk

@@ -2,6 +2,7 @@
 import base64
 import gzip
 import io
+import lzma
 import os
 import struct
 import subprocess
@@ -207,15 +208,23 @@ def vtk_xml(kind, inside, more=""):
     return ('<VTKFile type="%s" version="0.1" byte_order="LittleEndian"%s>%s</VTKFile>' % (kind, more, inside)).encode()
 
 
+def lz4_literals(data):
+    """A block of LZ4 that repeats nothing."""
+    return b"\xf0" + b"\xff" * ((len(data) - 15) // 255) + bytes([(len(data) - 15) % 255]) + data
+
+
+VTK_PACKERS = {"zlib": zlib.compress, "lz4": lz4_literals, "lzma": lzma.compress}
+
+
 def vtr(how):
-    """A rectilinear grid with an uneven axis: text, zlib in base64, or appended."""
+    """A rectilinear grid with an uneven axis: text, zlib, LZ4 or LZMA in base64, or appended."""
     arrays = [("v", [float(v) for v in VOXELS])] + [(axis, [k + (k > 5) * 0.5 for k in range(n)]) for axis, n in zip("xyz", DIMS)]
     tags, appended = [], b""
     for name, values in arrays:
         data = struct.pack("<%df" % len(values), *values)
-        packed = zlib.compress(data)
-        text, body = "", ' format="ascii">%s</DataArray>' % " ".join(map(str, values))
-        if how == "zlib":
+        body = ' format="ascii">%s</DataArray>' % " ".join(map(str, values))
+        if how in VTK_PACKERS:
+            packed = VTK_PACKERS[how](data)
             head = struct.pack("<4I", 1, len(data), 0, len(packed))
             body = ' format="binary">%s</DataArray>' % (base64.b64encode(head) + base64.b64encode(packed)).decode()
         if how == "raw":
@@ -225,7 +234,7 @@ def vtr(how):
     box = "0 %d 0 %d 0 %d" % tuple(n - 1 for n in DIMS)
     text = vtk_xml("RectilinearGrid", '<RectilinearGrid WholeExtent="%s"><Piece Extent="%s"><PointData Scalars="v">%s</PointData><Coordinates>%s'
                    "</Coordinates></Piece></RectilinearGrid>%s" % (box, box, tags[0], "".join(tags[1:]), "<AppendedData/>" if appended else ""),
-                   ' compressor="vtkZLibDataCompressor"' if how == "zlib" else "")
+                   ' compressor="vtk%sDataCompressor"' % {"zlib": "ZLib"}.get(how, how.upper()) if how in VTK_PACKERS else "")
     return text.replace(b"<AppendedData/>", b'<AppendedData encoding="raw">_' + appended + b"</AppendedData>")
 
 
@@ -252,7 +261,7 @@ def format_files():
     """Archives of NumPy, VTK's other files, Amira's and XDMF's: those of one file, which the fuzzer has as well."""
     yield "npz", {"a.npz": npz(zipfile.ZIP_STORED)}
     yield "npz-deflated", {"a.npz": npz(zipfile.ZIP_DEFLATED)}
-    for how in ("text", "zlib", "raw"):
+    for how in ("text", "raw", *VTK_PACKERS):
         yield "vtr-" + how, {"a.vtr": vtr(how)}
     for kind in ("text", "zip", "plain"):
         yield "am-" + kind, {"a.am": amira(kind)}

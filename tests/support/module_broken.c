@@ -8,10 +8,10 @@
 
 #if BROKEN == OTHER_ABI
 extern const iso_module iso_module_table;
-const iso_module iso_module_table = {ISO_MODULE_ABI + 1, ISO_VERSION, NULL, NULL, NULL, NULL, NULL, NULL};
+const iso_module iso_module_table = {.abi = ISO_MODULE_ABI + 1, .version = ISO_VERSION};
 #elif BROKEN == OTHER_VERSION
 extern const iso_module iso_module_table;
-const iso_module iso_module_table = {ISO_MODULE_ABI, "0." ISO_VERSION, NULL, NULL, NULL, NULL, NULL, NULL};
+const iso_module iso_module_table = {.abi = ISO_MODULE_ABI, .version = "0." ISO_VERSION};
 #elif BROKEN == EMPTY
 extern const int iso_module_other_table;
 const int iso_module_other_table = 1;

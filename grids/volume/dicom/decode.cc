@@ -123,4 +123,4 @@ iso_status decode_frame(const iso_dicom_file *file, const iso_dicom_items *items
 
 } // namespace
 
-ISO_MODULE(nullptr, decode_frame, nullptr, nullptr);
+ISO_MODULE(nullptr, decode_frame, nullptr, nullptr, nullptr);

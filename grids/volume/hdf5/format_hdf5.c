@@ -383,4 +383,4 @@ static iso_status hdf5_open_tiled(const char *path, const iso_volume_opts *opts,
 static const iso_format format_hdf5 = {
     .name = "hdf5", .library = "libhdf5", .info = hdf5_info, .open_tiled = hdf5_open_tiled};
 
-ISO_MODULE(&format_hdf5, NULL, NULL, NULL);
+ISO_MODULE(&format_hdf5, NULL, NULL, NULL, NULL);

@@ -258,4 +258,4 @@ static iso_status tiff_open_tiled(const char *path, const iso_volume_opts *opts,
 static const iso_format format = {
     .name = "tiff", .library = "libtiff", .info = tiff_info, .open_tiled = tiff_open_tiled};
 
-ISO_MODULE(&format, NULL, NULL, NULL);
+ISO_MODULE(&format, NULL, NULL, NULL, NULL);

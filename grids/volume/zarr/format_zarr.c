@@ -493,4 +493,4 @@ static iso_status zarr_open_tiled(const char *path, const iso_volume_opts *opts,
 static const iso_format format = {
     .name = "zarr", .library = "Zarr's", .info = zarr_info, .open_tiled = zarr_open_tiled};
 
-ISO_MODULE(&format, NULL, NULL, NULL);
+ISO_MODULE(&format, NULL, NULL, NULL, NULL);
