@@ -116,6 +116,23 @@ for how in ("ascii", "binary", "raw", "zlib", "packed", "lz4", "lzma"):
     vtr("even_%s.vtr" % how, even, how)
     vtr("uneven_%s.vtr" % how, uneven, how, order="Big")
 vtr("even_cells.vtr", even, "raw", cells=True)
+
+def hdf5(name, axes, falling=False):
+    order = [x[::-1] if falling else x for x in axes]
+    with h5py.File("in/" + name, "w") as file:
+        array = file.create_dataset("v", data=numpy.array([[[value(x, y, z) for x in order[0]] for y in order[1]] for z in order[2]], "f"))
+        for i, (letter, x) in enumerate(zip("zyx", order[::-1])):
+            scale = file.create_dataset(letter, data=numpy.array(x, "d") / 10)
+            scale.attrs["units"] = "cm"
+            scale.make_scale(letter)
+            array.dims[i].attach_scale(scale)
+
+try:
+    import h5py, numpy
+    hdf5("uneven.h5", uneven)
+    hdf5("falling.h5", uneven, falling=True)
+except ImportError:
+    print("without h5py: coordinates in HDF5 are not checked")
 P
 same() { # REFERENCE FILE [OPTION..]
     isorender "in/$1" a.png --isovalue 50.5 --resolution 90x90 --azimuth 30 --elevation 20 --quiet --json=a.json
@@ -142,6 +159,7 @@ isorender in/sliver.vtk a.png --isovalue 50.5 --resolution 40x40 --quiet --json=
 python3 -c 'from check import *; expect(report("a.json")["volume"]["dims"] == [8, 11, 5], report("a.json")["volume"])'
 ! isorender in/noise.vtk --info 2>&1 | grep -q 'resampled' || false
 for file in uneven uneven_binary; do same uneven.nrrd $file.vtk; done
+for file in uneven falling; do if [ -f in/$file.h5 ]; then same uneven.nrrd $file.h5; fi; done
 for threads in 1 3; do same uneven.nrrd uneven.vtk --threads $threads; done
 isorender in/uneven.nrrd a.png --isovalue 50.5 --resolution 90x90 --chunk-size 16 --quiet
 isorender in/uneven.vtk b.png --isovalue 50.5 --resolution 90x90 --chunk-size 16 --quiet

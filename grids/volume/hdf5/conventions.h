@@ -12,6 +12,7 @@ typedef struct iso_hdf5_meaning {
     uint64_t used[3];  /* voxels along x, y and z of an array that is padded; 0: all */
     int channels;      /* arrays of this kind that are components of one volume */
     int level, levels; /* of an image at several resolutions, 0 the finest; levels is 0: there is one */
+    iso_hdf5_positions *positions; /* to be set where voxels are not evenly spaced */
 } iso_hdf5_meaning;
 
 /* Opens the array that is read when the user names none, of level opts->level if there is one, else of the
@@ -44,7 +45,7 @@ bool iso_hdf5_unclear_distance(const iso_hdf5_file *file, const iso_hdf5_array *
 
 /* ---- coordinates.c ---- */
 
-/* Sets spacing and origin from arrays of coordinates: of NeXus, EMD, and dimension scales. */
+/* Sets spacing, origin and positions from arrays of coordinates: of NeXus, EMD, and dimension scales. */
 void iso_hdf5_take_coordinates(const iso_hdf5_file *file, const iso_hdf5_array *array,
                                iso_hdf5_meaning *meaning, iso_volume_info *info);
 

@@ -73,13 +73,30 @@ static double length_of(const char *unit) {
     return iso_format_unit(plain);
 }
 
-/* The first coordinate of an axis with `size` voxels and the mean distance to the next one. False: they are
- * not evenly spaced. */
-static bool fit_line(const double *values, uint64_t count, uint64_t size, double *first, double *step) {
+/* Makes the borders of voxels their centres. */
+static void take_centres(double *values, uint64_t *count) {
+    --*count;
+    for (uint64_t i = 0; i < *count; i++) values[i] = (values[i] + values[i + 1]) / 2;
+}
+
+/* The mean distance between coordinates. False: they are not evenly spaced. */
+static bool fit_line(const double *values, uint64_t count, double *step) {
     *step = (values[count - 1] - values[0]) / (double)(count - 1);
-    *first = values[0] + (count == size + 1 ? *step / 2 : 0); /* else they are the voxels' borders */
     for (uint64_t i = 0; i < count; i++)
         if (!(fabs(values[i] - values[0] - (double)i * *step) <= 0.01 * fabs(*step))) return false;
+    return true;
+}
+
+/* Sets positions; false: the coordinates do not rise or fall, or are too many. */
+static bool take_positions(const double *values, uint64_t count, double mm, int i,
+                           iso_hdf5_positions *positions) {
+    const double scale = values[count - 1] < values[0] ? -mm : mm;
+    if (count > ISO_HDF5_POSITIONS) return false;
+    for (uint64_t k = 0; k < count; k++) {
+        positions->at[i][k] = (values[k] - values[0]) * scale;
+        if (k > 0 && !(positions->at[i][k] > positions->at[i][k - 1])) return false;
+    }
+    positions->count[i] = (int)count;
     return true;
 }
 
@@ -111,22 +128,14 @@ static void find_world_axes(const hid_t scales[3], int world[3], iso_volume_info
     }
 }
 
-/* Places the voxels along their axis i, which is the world's axis `world`. */
-static void place_axis(hid_t scale, const iso_hdf5_array *array, int i, int world, iso_hdf5_meaning *meaning,
-                       iso_volume_info *info) {
-    enum { MOST = 1 << 20 };
-    const uint64_t size = array->sizes[array->xyz[i]];
+/* Places the voxels along their axis i, which is the world's axis `world`, at `count` coordinates. */
+static void place_axis_at(hid_t scale, const double *values, uint64_t count, int i, int world,
+                          iso_hdf5_meaning *meaning, iso_volume_info *info) {
     const char axis = "xyz"[world];
     char unit[WORD] = "";
-    double first = 0, step = 0;
-    uint64_t count = 0;
-    double *values =
-        H5Sget_simple_extent_ndims(H5Dget_space(scale)) == 1 ? iso_hdf5_values(scale, MOST, &count) : NULL;
-    /* EMD may have the first two only */
-    const bool fits = values && count >= 2 && (count == size || count == size + 1 || count == 2),
-               is_even = fits && fit_line(values, count, size, &first, &step);
-    free(values);
-    if (!fits || step == 0 || !isfinite(step)) return; /* a dimension without coordinates (NetCDF) */
+    double step;
+    const bool is_even = fit_line(values, count, &step);
+    if (step == 0 || !isfinite(step)) return; /* a dimension without coordinates (NetCDF) */
     const bool has_unit = iso_hdf5_text(scale, "units", 0, unit, sizeof unit) && *unit;
     const double mm = has_unit ? length_of(unit) : 1;
     if (!has_unit)
@@ -136,12 +145,28 @@ static void place_axis(hid_t scale, const iso_hdf5_array *array, int i, int worl
                         axis, unit);
         return;
     }
-    if (!is_even)
-        iso_volume_note(info, "the coordinates along %c are not evenly spaced: drawn at their mean distance",
+    if (!is_even && !take_positions(values, count, mm, i, meaning->positions))
+        iso_volume_note(info,
+                        "the coordinates along %c are not evenly spaced and do not rise or fall: drawn at "
+                        "their mean distance",
                         axis);
     meaning->spacing[i] = fabs(step) * mm;
-    info->transform.origin[world] = first * mm;
+    info->transform.origin[world] = values[0] * mm;
     if (step < 0) info->transform.direction[3 * world + i] = -1;
+}
+
+static void place_axis(hid_t scale, const iso_hdf5_array *array, int i, int world, iso_hdf5_meaning *meaning,
+                       iso_volume_info *info) {
+    enum { MOST = 1 << 20 };
+    const uint64_t size = array->sizes[array->xyz[i]];
+    uint64_t count = 0;
+    double *values =
+        H5Sget_simple_extent_ndims(H5Dget_space(scale)) == 1 ? iso_hdf5_values(scale, MOST, &count) : NULL;
+    if (values && count == size + 1 && size > 1) take_centres(values, &count);
+    /* EMD may have the first two only */
+    if (values && count >= 2 && (count == size || count == 2))
+        place_axis_at(scale, values, count, i, world, meaning, info);
+    free(values);
 }
 
 void iso_hdf5_take_coordinates(const iso_hdf5_file *file, const iso_hdf5_array *array,

@@ -391,6 +391,7 @@ static void take_spacing(const iso_hdf5_file *file, const iso_hdf5_array *array,
     bool given = true;
     for (int i = 0; i < 3; i++) {
         const bool is_stated = meaning->spacing[i] > 0;
+        if (opts->spacing[i] > 0) meaning->positions->count[i] = 0;
         given = given && (opts->spacing[i] > 0 || (is_stated && !meaning->relative));
         info->transform.spacing[i] = is_stated ? meaning->spacing[i] : 1;
     }
@@ -409,9 +410,9 @@ static void take_spacing(const iso_hdf5_file *file, const iso_hdf5_array *array,
 
 iso_status iso_hdf5_describe(const char *path, const char *xml, const iso_volume_opts *opts,
                              iso_volume_info *info, iso_hdf5_array *array, iso_hdf5_slices *slices,
-                             iso_error *error) {
+                             iso_hdf5_positions *positions, iso_error *error) {
     iso_hdf5_file file;
-    iso_hdf5_meaning meaning = {0};
+    iso_hdf5_meaning meaning = {.positions = positions};
     hid_t dataset = -1;
     listing found;
     axes a;

@@ -14,6 +14,7 @@
 #include "base/memory.h"
 #include "grids/volume/hdf5/hdf5.h"
 #include "grids/volume/module.h"
+#include "grids/volume/rectilinear.h"
 #include "grids/volume/tiled.h"
 
 /* ---- files ---- */
@@ -70,6 +71,7 @@ typedef struct description {
     iso_volume_info info;
     iso_hdf5_array array;
     iso_hdf5_slices slices;
+    iso_hdf5_positions positions;
     iso_channels channels;
     uint64_t place_count;
 } description;
@@ -86,7 +88,7 @@ static void describe(void *context) {
     iso_volume_opts opts = *job->opts;
     opts.channels = &shared->channels;
     shared->status = iso_hdf5_describe(job->path, job->xml, &opts, &shared->info, &shared->array,
-                                       &shared->slices, &shared->error);
+                                       &shared->slices, &shared->positions, &shared->error);
 }
 
 /* The memory that libhdf5 may take: most files need a few megabytes; 32 suffice to start. */
@@ -129,7 +131,9 @@ static bool is_plausible(const description *d) {
                 info->item_count <= ISO_VOLUME_ITEMS && info->note_count >= 0 &&
                 info->note_count <= ISO_VOLUME_NOTES && d->channels.count >= 0;
     for (int i = 0; good && i < 3; i++)
-        good = info->dims[i] >= 1 && (uint64_t)info->dims[i] <= d->array.sizes[d->array.xyz[i]];
+        good = info->dims[i] >= 1 && (uint64_t)info->dims[i] <= d->array.sizes[d->array.xyz[i]] &&
+               (d->positions.count[i] == 0 ||
+                (d->positions.count[i] == info->dims[i] && d->positions.count[i] <= ISO_HDF5_POSITIONS));
     return good;
 }
 
@@ -177,9 +181,24 @@ static void measure(const iso_hdf5_array *array, iso_volume_info *info) {
             info->read_bytes = UINT64_MAX;
 }
 
-/* *slices (may be NULL): a copy of the scales of slices (free); NULL: there are none. */
+static iso_status take_positions(const char *path, const iso_hdf5_positions *positions, iso_rectilinear *axes,
+                                 iso_error *error) {
+    for (int i = 0; i < 3; i++) {
+        const size_t bytes = (size_t)positions->count[i] * sizeof(double);
+        if (bytes == 0) continue;
+        axes->axis[i] = iso_alloc(bytes);
+        if (!axes->axis[i]) return iso_fail_memory(error, path);
+        memcpy(axes->axis[i], positions->at[i], bytes);
+        axes->count[i] = positions->count[i];
+    }
+    return ISO_OK;
+}
+
+/* *slices (may be NULL): a copy of the scales of slices (free); NULL: there are none. `axes` (may be
+ * NULL): those that are not evenly spaced. */
 static iso_status describe_file(const hdf5_paths *paths, const iso_volume_opts *opts, iso_volume_info *info,
-                                iso_hdf5_array *array, iso_hdf5_slices **slices, iso_error *error) {
+                                iso_hdf5_array *array, iso_rectilinear *axes, iso_hdf5_slices **slices,
+                                iso_error *error) {
     const char *path = paths->file;
     description *shared = iso_hdf5_share(sizeof *shared);
     if (!shared) return iso_fail_memory(error, path);
@@ -191,6 +210,7 @@ static iso_status describe_file(const hdf5_paths *paths, const iso_volume_opts *
         if (opts->channels) *opts->channels = shared->channels;
         measure(array, info);
     }
+    if (status == ISO_OK && axes) status = take_positions(path, &shared->positions, axes, error);
     if (status == ISO_OK && slices && shared->slices.count) {
         *slices = malloc(sizeof **slices);
         if (*slices)
@@ -207,7 +227,7 @@ static iso_status hdf5_info(const char *path, const iso_volume_opts *opts, iso_v
     iso_hdf5_array array;
     hdf5_paths paths;
     iso_status status = find_paths(path, opts, &paths, error);
-    if (status == ISO_OK) status = describe_file(&paths, opts, info, &array, NULL, error);
+    if (status == ISO_OK) status = describe_file(&paths, opts, info, &array, opts->axes, NULL, error);
     free_paths(&paths);
     return status;
 }
@@ -313,7 +333,7 @@ static iso_status open_source(const iso_volume_opts *opts, const iso_volume_info
                               iso_error *error) {
     iso_volume_info now = {.components = 1, .scale = 1, .transform = iso_transform_identity()};
     iso_hdf5_source *source = &tiles->source;
-    ISO_TRY(describe_file(&tiles->paths, opts, &now, &source->array, &source->slices, error));
+    ISO_TRY(describe_file(&tiles->paths, opts, &now, &source->array, NULL, &source->slices, error));
     if (memcmp(now.dims, info->dims, sizeof now.dims) != 0 || now.type != info->type ||
         now.components != info->components || now.read_bytes > info->read_bytes)
         return iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", tiles->paths.file);

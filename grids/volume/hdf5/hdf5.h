@@ -54,6 +54,13 @@ typedef struct iso_hdf5_slices {
     double scale[ISO_HDF5_SLICES], offset[ISO_HDF5_SLICES];
 } iso_hdf5_slices;
 
+/* Positions of voxels along x, y and z that are not evenly spaced, in mm from the first voxel; they rise. */
+enum { ISO_HDF5_POSITIONS = 1 << 14 };
+typedef struct iso_hdf5_positions {
+    int count[3]; /* 0: the axis is evenly spaced */
+    double at[3][ISO_HDF5_POSITIONS];
+} iso_hdf5_positions;
+
 /* Where a chunk lies in the file. */
 typedef struct iso_hdf5_place {
     uint64_t number; /* of the chunk, along x, y and z */
@@ -84,14 +91,15 @@ iso_status iso_bdv_read_view(const char *xml, unsigned time, unsigned setup, iso
 /* ---- in the child process ---- */
 
 /* Chooses an array by opts->grid and the conventions of the file, and describes it. Sets of `info` what a
- * format's reader sets, and the scales of slices, if they differ. ISO_ERR_IO: damaged; ISO_ERR_FORMAT: not
- * HDF5, no array of numbers with three axes, or several without a choice, which are listed;
- * ISO_ERR_UNSUPPORTED: a filter, or values in other files; ISO_ERR_USAGE: no such array or component;
- * ISO_ERR_LIMIT. opts->channels, if it is not NULL, must be shared with the parent. `xml`: the .xml of
- * BigDataViewer that belongs to the file, or NULL. Leaves the file open: the process ends. */
+ * format's reader sets, the scales of slices, if they differ, and positions that are not evenly spaced.
+ * ISO_ERR_IO: damaged; ISO_ERR_FORMAT: not HDF5, no array of numbers with three axes, or several without a
+ * choice, which are listed; ISO_ERR_UNSUPPORTED: a filter, or values in other files; ISO_ERR_USAGE: no such
+ * array or component; ISO_ERR_LIMIT. opts->channels, if it is not NULL, must be shared with the parent.
+ * `xml`: the .xml of BigDataViewer that belongs to the file, or NULL. Leaves the file open: the process ends.
+ * */
 iso_status iso_hdf5_describe(const char *path, const char *xml, const iso_volume_opts *opts,
                              iso_volume_info *info, iso_hdf5_array *array, iso_hdf5_slices *slices,
-                             iso_error *error);
+                             iso_hdf5_positions *positions, iso_error *error);
 
 /* Finds the chunks that hold voxels and are in the file, in the order of their numbers; `places` has room for
  * array->stored, and *count becomes how many there are. ISO_ERR_IO. */

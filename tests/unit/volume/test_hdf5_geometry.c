@@ -245,7 +245,7 @@ static void test_scales(void **state) {
         const double wanted = (const double[]){2e-7, 5e-7, 2e-3}[i];
         assert_true(fabs(volume.info.transform.spacing[i] / wanted - 1) < 1e-9);
     }
-    assert_true(test_has_note(&volume.info, "along z are not evenly spaced"));
+    assert_true(test_has_note(&volume.info, "along z are not evenly spaced and do not rise or fall"));
     iso_volume_free(&volume);
 
     file = hdf5_begin("old.nxs", false);
