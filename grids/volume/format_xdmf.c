@@ -11,7 +11,7 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/xml.h"
-#include "grids/volume/format.h"
+#include "grids/volume/module.h"
 #include "grids/volume/rectilinear.h"
 #include "grids/volume/scalar_load.h"
 
@@ -223,11 +223,26 @@ static iso_status file_of(const xdmf *x, const item *i, char path[ISO_FORMAT_PAT
     return fits ? ISO_OK : bad(x, "the name of a file is too long", error);
 }
 
+static iso_status numbers_of_hdf5(const xdmf *x, const item *i, const iso_volume_opts *opts, uint64_t count,
+                                  double *numbers, iso_error *error) {
+    const iso_module *module;
+    char path[ISO_FORMAT_PATH];
+    ISO_TRY(file_of(x, i, path, error));
+    const char *array = iso_volume_array_of(path);
+    if (!array)
+        return iso_fail(error, ISO_ERR_IO, "%s: %s: cannot read: there is no such HDF5 file", x->path, path);
+    ISO_TRY(iso_module_load(x->path, "hdf5", "libhdf5", &module, error));
+    path[array - path - 1] = 0;
+    iso_file_set_read(opts->files, path);
+    return module->read_numbers(path, array, opts, count, numbers, error);
+}
+
 /* Reads the numbers of a small item: a step, or coordinates. */
-static iso_status small_numbers(const xdmf *x, const item *i, uint64_t count, double *numbers,
-                                iso_error *error) {
-    if (i->numbers != count || i->format == HDF || i->zlib || i->problem)
-        return bad(x, "its origin, steps or coordinates are not numbers in the text or a raw file", error);
+static iso_status small_numbers(const xdmf *x, const item *i, const iso_volume_opts *opts, uint64_t count,
+                                double *numbers, iso_error *error) {
+    if (i->numbers != count || i->zlib || i->problem)
+        return bad(x, "its origin, steps or coordinates are not numbers in the text or a file", error);
+    if (i->format == HDF) return numbers_of_hdf5(x, i, opts, count, numbers, error);
     FILE *file;
     char path[ISO_FORMAT_PATH];
     const bool text = i->format == TEXT;
@@ -249,14 +264,15 @@ static iso_status small_numbers(const xdmf *x, const item *i, uint64_t count, do
     return good ? ISO_OK : iso_fail(error, ISO_ERR_IO, "%s: truncated: coordinates are missing", x->path);
 }
 
-static iso_status take_geometry(const xdmf *x, bool cells, iso_rectilinear *axes, iso_volume_info *info,
+static iso_status take_geometry(const xdmf *x, bool cells, const iso_volume_opts *opts, iso_volume_info *info,
                                 iso_error *error) {
+    iso_rectilinear *axes = opts->axes;
     const grid *g = &x->one;
     iso_transform *t = &info->transform;
     double origin[3], steps[3];
     if (!g->rectilinear) {
-        ISO_TRY(small_numbers(x, &g->geometry[0], 3, origin, error));
-        ISO_TRY(small_numbers(x, &g->geometry[1], 3, steps, error));
+        ISO_TRY(small_numbers(x, &g->geometry[0], opts, 3, origin, error));
+        ISO_TRY(small_numbers(x, &g->geometry[1], opts, 3, steps, error));
         for (int i = 0; i < 3; i++) {
             t->spacing[i] = fabs(steps[2 - i]);
             t->direction[4 * i] = steps[2 - i] < 0 ? -1 : 1;
@@ -271,7 +287,7 @@ static iso_status take_geometry(const xdmf *x, bool cells, iso_rectilinear *axes
         double *at = axes->axis[i] = iso_alloc((size_t)count * sizeof *at);
         if (!at) return iso_fail_memory(error, x->path);
         axes->count[i] = (int)count;
-        ISO_TRY(small_numbers(x, &g->geometry[i], count, at, error));
+        ISO_TRY(small_numbers(x, &g->geometry[i], opts, count, at, error));
     }
     if (cells) iso_rectilinear_take_cells(axes);
     for (int i = 0; i < 3; i++) t->origin[i] = axes->axis[i][0];
@@ -313,16 +329,24 @@ static iso_status open_xdmf(const char *path, const iso_volume_opts *given, xdmf
     return ISO_OK;
 }
 
-/* The header of an HDF5 array, of which only what tells of the values is taken. */
-static iso_status describe_hdf(const xdmf *x, const item *i, const iso_volume_opts *given, int component,
-                               int components, iso_volume_info *info, iso_error *error) {
-    char path[ISO_FORMAT_PATH];
-    iso_volume_info found;
+/* The options for an HDF5 array of which only the values are used: a spacing is given, because positions of
+ * voxels that the file states, too, would have it resampled. */
+static iso_volume_opts opts_for_values(const iso_volume_opts *given, int component) {
     iso_volume_opts opts = *given;
     opts.grid = NULL;
     opts.raw = NULL;
     opts.mappable = NULL;
     opts.component = component;
+    for (int i = 0; i < 3; i++) opts.spacing[i] = 1;
+    return opts;
+}
+
+/* The header of an HDF5 array, of which only what tells of the values is taken. */
+static iso_status describe_hdf(const xdmf *x, const item *i, const iso_volume_opts *given, int component,
+                               int components, iso_volume_info *info, iso_error *error) {
+    char path[ISO_FORMAT_PATH];
+    iso_volume_info found;
+    const iso_volume_opts opts = opts_for_values(given, component);
     ISO_TRY(file_of(x, i, path, error));
     if (!iso_volume_array_of(path))
         return iso_fail(error, ISO_ERR_IO, "%s: %s: cannot read: there is no such HDF5 file", x->path, path);
@@ -343,7 +367,7 @@ static iso_status describe(xdmf *x, const iso_volume_opts *opts, int chosen, int
                            iso_volume_info *info, iso_error *error) {
     const grid *g = &x->one;
     const item *i = &g->items[chosen];
-    ISO_TRY(take_geometry(x, g->arrays[chosen].cells, opts->axes, info, error));
+    ISO_TRY(take_geometry(x, g->arrays[chosen].cells, opts, info, error));
     if (i->format == HDF)
         return describe_hdf(x, i, opts, component, (int)g->arrays[chosen].components, info, error);
     iso_format_place place = {.known = true,
@@ -384,18 +408,13 @@ static iso_status xdmf_read(const char *path, const iso_volume_opts *given, iso_
     char file[ISO_FORMAT_PATH];
     iso_volume volume;
     iso_volume_info now = {.transform = iso_transform_identity()};
-    iso_volume_opts opts = *given;
-    opts.grid = NULL;
-    opts.raw = NULL;
-    opts.mappable = NULL;
     iso_status status = open_xdmf(path, given, &x, &now, &chosen, &component, error);
     if (status == ISO_OK && x.one.items[chosen].format != HDF)
         status = iso_fail(error, ISO_ERR_IO, "%s: changed while it was read", path);
     if (status == ISO_OK) status = file_of(&x, &x.one.items[chosen], file, error);
     iso_free(x.text);
     ISO_TRY(status);
-    opts.component = component;
-    memset(opts.spacing, 0, sizeof opts.spacing);
+    const iso_volume_opts opts = opts_for_values(given, component);
     ISO_TRY(iso_volume_read(file, &opts, &volume, error));
     *target = volume.grid;
     if (target->rgrid) target->rgrid->transform = info->transform;

@@ -43,6 +43,11 @@ typedef iso_status iso_color_reader(const char *path, const iso_volume_opts *opt
 typedef size_t iso_vtk_unpacker(bool lzma, const unsigned char *packed, size_t size, unsigned char *to,
                                 size_t room);
 
+/* Reads the `count` numbers of a small array of a file, in the order of the file. ISO_ERR_FORMAT: there is no
+ * such array, or it has not as many numbers; ISO_ERR_IO, ISO_ERR_NOMEM. */
+typedef iso_status iso_number_reader(const char *path, const char *array, const iso_volume_opts *opts,
+                                     uint64_t count, double *numbers, iso_error *error);
+
 /* The table of a module; functions that it does not have are NULL. */
 typedef struct iso_module {
     int abi; /* the first member, so that every version can read it */
@@ -54,6 +59,7 @@ typedef struct iso_module {
     const iso_message_passing *messages;
     const iso_remote *remote;
     iso_vtk_unpacker *vtk_unpack;
+    iso_number_reader *read_numbers;
 } iso_module;
 
 #ifdef __cplusplus
@@ -66,7 +72,7 @@ typedef struct iso_module {
 #define ISO_MODULE(format, dicom_decode, write_level_set, read_colors, vtk_unpack)                           \
     ISO_MODULE_EXTERN const iso_module iso_module_table;                                                     \
     const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, format, dicom_decode, write_level_set, \
-                                         read_colors,    0,           0,      vtk_unpack}
+                                         read_colors,    0,           0,      vtk_unpack,   0}
 
 /* Loads module `name` and returns its table, which stays valid. `path` is the file that needs it and
  * `library` the library that it uses, both for messages. ISO_ERR_UNSUPPORTED: the module or a library is not

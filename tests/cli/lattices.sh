@@ -85,6 +85,16 @@ try:
     import h5py, numpy
     with h5py.File("in/v.h5", "w") as file:
         file["v"] = numpy.array(voxels, "f4").reshape(7, 9, 12)
+        for i, n in enumerate((7, 9, 12)): # scales whose steps are not even, which XDMF's geometry replaces
+            scale = file.create_dataset("s%d" % i, data=numpy.arange(n) ** 2.0)
+            scale.make_scale()
+            file["v"].dims[i].attach_scale(scale)
+        for letter, axis in zip("xyz", axes):
+            file["at/" + letter] = numpy.array(axis)
+    far = [item("v.h5:/at/" + letter, n, 'Format="HDF"') for letter, n in zip("xyz", dims)]
+    whole = item("v.h5:/v", "7 9 12", 'Format="HDF"')
+    xdmf("placed.xdmf", grid(whole, (lists[0], lists[1], "".join(far))))
+    xdmf("short.xdmf", grid(whole, (lists[0], lists[1], "".join([far[0].replace("/x", "/y"), *far[1:]]))))
 except ImportError:
     print("without h5py: XDMF with HDF5 is not checked")
 P
@@ -103,7 +113,10 @@ done
 same 50.5 um.nrrd um.am --grid Data
 for file in text.xdmf raw.xmf big.xdmf zlib.xdmf lists.xdmf; do same 50.5 v.nrrd $file; done
 same 50.5 v.nrrd times.xdmf --component 1
-[ ! -e in/v.h5 ] || same 50.5 v.nrrd whole.xdmf
+if [ -e in/v.h5 ]; then
+    for file in whole placed; do same 50.5 v.nrrd $file.xdmf; done
+    isorender_refuses 3 'in/v.h5: /at/y is not an array of 12 numbers' in/short.xdmf
+fi
 isorender in/times.xdmf --info 2>&1 | grep -q 'note: several grids: using component 0 of 2'
 cp in/little.am in/no_extension
 same 50.5 v.nrrd no_extension --grid Data

@@ -445,3 +445,18 @@ iso_status iso_hdf5_describe(const char *path, const char *xml, const iso_volume
     if (file.has_bad_heap) return iso_fail(error, ISO_ERR_IO, "%s: damaged: a heap with its texts", path);
     return ISO_OK;
 }
+
+iso_status iso_hdf5_read_numbers(const char *path, const char *array, uint64_t count, double *numbers,
+                                 iso_error *error) {
+    iso_hdf5_file file;
+    uint64_t found = 0;
+    ISO_TRY(iso_hdf5_open(path, &file, error));
+    const hid_t dataset = iso_hdf5_dataset(file.id, array);
+    double *values = dataset >= 0 ? iso_hdf5_values(dataset, count, &found) : NULL;
+    if (!values || found != count)
+        return iso_fail(error, ISO_ERR_FORMAT, "%s: %.200s is not an array of %llu numbers", path, array,
+                        (unsigned long long)count);
+    memcpy(numbers, values, (size_t)count * sizeof *numbers);
+    free(values);
+    return ISO_OK;
+}

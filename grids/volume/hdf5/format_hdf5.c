@@ -400,7 +400,47 @@ static iso_status hdf5_open_tiled(const char *path, const iso_volume_opts *opts,
     return ISO_OK;
 }
 
+/* ---- coordinates that another format's file names ---- */
+
+/* Shared with the child. */
+typedef struct found_numbers {
+    int finished;
+    iso_status status;
+    iso_error error;
+    double numbers[];
+} found_numbers;
+
+typedef struct finding_numbers {
+    const char *path, *array;
+    uint64_t count;
+    found_numbers *shared;
+} finding_numbers;
+
+static void find_numbers(void *context) {
+    const finding_numbers *job = context;
+    job->shared->status =
+        iso_hdf5_read_numbers(job->path, job->array, job->count, job->shared->numbers, &job->shared->error);
+}
+
+static iso_status read_numbers(const char *path, const char *array, const iso_volume_opts *opts,
+                               uint64_t count, double *numbers, iso_error *error) {
+    const size_t bytes = sizeof(found_numbers) + (size_t)count * sizeof *numbers;
+    found_numbers *shared = iso_hdf5_share(bytes);
+    if (!shared) return iso_fail_memory(error, path);
+    finding_numbers job = {path, array, count, shared};
+    iso_status status = iso_hdf5_guard(path, child_memory(opts), seconds_for(path), find_numbers, &job,
+                                       &shared->finished, error);
+    shared->error.text[sizeof shared->error.text - 1] = 0;
+    if (status == ISO_OK && shared->status != ISO_OK)
+        status = iso_fail(error, shared->status, "%s", shared->error.text);
+    if (status == ISO_OK) memcpy(numbers, shared->numbers, (size_t)count * sizeof *numbers);
+    iso_hdf5_unshare(shared, bytes);
+    return status;
+}
+
 static const iso_format format_hdf5 = {
     .name = "hdf5", .library = "libhdf5", .info = hdf5_info, .open_tiled = hdf5_open_tiled};
 
-ISO_MODULE(&format_hdf5, NULL, NULL, NULL, NULL);
+ISO_MODULE_EXTERN const iso_module iso_module_table;
+const iso_module iso_module_table = {
+    .abi = ISO_MODULE_ABI, .version = ISO_VERSION, .format = &format_hdf5, .read_numbers = read_numbers};

@@ -106,6 +106,10 @@ iso_status iso_hdf5_describe(const char *path, const char *xml, const iso_volume
 iso_status iso_hdf5_find_places(const char *path, const iso_hdf5_array *array, const int dims[3],
                                 iso_hdf5_place *places, uint64_t *count, iso_error *error);
 
+/* As iso_number_reader (grids/volume/module.h). */
+iso_status iso_hdf5_read_numbers(const char *path, const char *array, uint64_t count, double *numbers,
+                                 iso_error *error);
+
 /* ---- the child process ---- */
 
 /* A child process that does some work. */

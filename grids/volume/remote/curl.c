@@ -306,5 +306,4 @@ static iso_status remote_fetch(const char *url, uint64_t most, char path[PATH_MA
 static const iso_remote remote = {remote_read, remote_fetch};
 
 ISO_MODULE_EXTERN const iso_module iso_module_table;
-const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, NULL,    NULL, NULL,
-                                     NULL,           NULL,        &remote, NULL};
+const iso_module iso_module_table = {.abi = ISO_MODULE_ABI, .version = ISO_VERSION, .remote = &remote};
