@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 #include "base/file.h"
 #include "base/file_types.h"
@@ -19,6 +20,8 @@ typedef struct npy {
     FILE *file;
     uint64_t at, bytes;     /* of the array with its header: where it begins, and its size when unpacked */
     iso_inflater *inflater; /* NULL: the file has it as it is */
+    uint64_t left;          /* bytes that have not been unpacked yet */
+    uint32_t wanted, crc;   /* CRC-32 of all bytes as the archive states it; of those unpacked so far */
     iso_npy_header header;
 } npy;
 
@@ -26,9 +29,17 @@ static iso_status fail_end(const char *path, iso_error *error) {
     return iso_fail(error, ISO_ERR_IO, "%s: truncated: the file ends in its header", path);
 }
 
+static iso_status unpack(npy *n, void *target, size_t bytes, iso_error *error) {
+    ISO_TRY(iso_inflater_fill(n->inflater, target, bytes, error));
+    n->crc = (uint32_t)crc32_z(n->crc, target, bytes);
+    n->left -= bytes;
+    if (n->left > 0 || n->crc == n->wanted) return ISO_OK;
+    return iso_fail(error, ISO_ERR_IO, "%s: damaged: the checksum of an array is wrong", n->path);
+}
+
 static iso_status fill(void *context, void *target, size_t bytes, iso_error *error) {
-    const npy *n = context;
-    if (n->inflater) return iso_inflater_fill(n->inflater, target, bytes, error);
+    npy *n = context;
+    if (n->inflater) return unpack(n, target, bytes, error);
     if (fread(target, 1, bytes, n->file) == bytes) return ISO_OK;
     return iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", n->path,
                     ferror(n->file) ? strerror(errno) : "changed while it was read");
@@ -65,7 +76,8 @@ static iso_status open_npy(const char *path, const iso_zip_entry *entry, uint64_
     iso_status status = ISO_OK;
     if (entry) {
         n->at = at;
-        n->bytes = entry->size;
+        n->bytes = n->left = entry->size;
+        n->wanted = entry->checksum;
         if (fseeko(n->file, (off_t)at, SEEK_SET) != 0)
             status = iso_fail(error, ISO_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
         else if (entry->deflated)

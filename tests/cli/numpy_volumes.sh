@@ -76,6 +76,14 @@ at = data.find(b"c_i2.npy")
 data[at + 200:at + 240] = bytes(range(40))
 open("in/damaged.npz", "wb").write(data)'
 isorender_refuses 3 'in/damaged.npz: ' in/damaged.npz
+python3 -c '
+data = bytearray(open("in/deflated.npz", "rb").read())
+at = data.index(b"PK\x01\x02") # the directory, entry by entry
+while data[at + 46:at + 50] != b"c_i2":
+    at = data.index(b"PK\x01\x02", at + 1)
+data[at + 16] ^= 1
+open("in/other.npz", "wb").write(data)'
+isorender_refuses 3 'in/other.npz: damaged: the checksum of an array is wrong' in/other.npz --grid c_i2
 isorender in/points.npy points.png --radius 0.5 --resolution 60x60 --quiet
 head -c 500 in/c_f4.npy >in/cut.npy
 isorender_refuses 3 'in/cut.npy: truncated' in/cut.npy
