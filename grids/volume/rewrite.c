@@ -27,8 +27,8 @@ static iso_status find_place(const char *path, const iso_volume_opts *opts, iso_
         return ISO_OK;
     return iso_fail(
         error, ISO_ERR_USAGE,
-        "%s: %s: voxels go back into .nii, .nii.gz, .nrrd, .mha, .mgh, .mgz, .mif and .npy that have "
-        "them as they are or compressed by gzip",
+        "%s: %s: voxels go back into .nii, .nii.gz, .nrrd, .mha, .mgh, .mgz, .mif, .npy and .tif that have "
+        "them as they are, in one piece, or (not .mha and .tif) compressed by gzip",
         path,
         scaled           ? "its values are scaled (scl_slope, scl_inter)"
         : place->file[0] ? "its voxels are in another file"

@@ -135,7 +135,42 @@ isosculpt --open in/a.nii.gz --label 7 --headless --output s.vdb --json=r0.json 
 python3 -c 'import sys; sys.path.insert(0, "in"); from strokes_of import *
 journal("in/own.strokes", "in/a.nii.gz", "label=7\n", "r0.json")' || exit 1
 isosculpt --replay in/own.strokes --headless --output own.nii.gz --quiet && cmp a.nii.gz own.nii.gz || exit 1
+# TIFF whose images lie behind one another, as ImageJ and tifffile write them
+python3 - <<'P' || exit 1
+import sys, zlib; sys.path.insert(0, "in")
+import struct
+from make import labels, n
+from strokes import *
+from tiff_files import tiff
+planes = [bytes(labels[z * n[0] * n[1]:(z + 1) * n[0] * n[1]]) for z in range(n[2])]
+tiff("in/a.tif", n[:2], planes, headers="last")
+tiff("in/wide.tif", n[:2], [struct.pack("<%dH" % len(p), *p) for p in planes], bits=16, headers="last")
+tiff("in/between.tif", n[:2], planes)
+tiff("in/packed.tif", n[:2], planes, headers="last", pack=zlib.compress)
+write("in/cells.strokes", [begin({"at": [21, 20, 8]}, tool="add", radius=3.0), {"event": "end"}])
+P
+for file in a wide; do
+    isosculpt --open in/$file.tif --label 7 --headless --output $file.tif --quiet && cmp in/$file.tif $file.tif || exit 1
+    isosculpt --open in/$file.tif --label 7 --replay in/cells.strokes --headless --output $file.tif --json=r.json --quiet || exit 1
+done
+python3 - <<'P' || exit 1
+import json, sys; sys.path.insert(0, "in")
+from make import labels, n
+before, after, report = open("in/a.tif", "rb").read(), open("a.tif", "rb").read(), json.load(open("r.json"))["label"]
+at = before.index(bytes(labels))
+changed = [i - at for i in range(len(before)) if before[i] != after[i]]
+assert len(before) == len(after) and len(changed) == report["added"] > 40 and report["removed"] == 0, (len(changed), report)
+for i in changed:
+    x, y, z = i % n[0], i // n[0] % n[1], i // n[0] // n[1]
+    assert after[at + i] == 7 and (x - 21)**2 + (y - 20)**2 + (z - 8)**2 < 16, (x, y, z)
+wide = [open(name, "rb").read() for name in ("in/wide.tif", "wide.tif")]
+other = [i for i in range(len(wide[0])) if wide[0][i] != wide[1][i]]
+assert [(i - other[0]) // 2 for i in other] == [i - changed[0] for i in changed]
+P
 # what cannot be done is said, and nothing is written
+for file in between packed; do
+    refuses 2 "cannot be written again: voxels go back into .nii" isosculpt --open in/$file.tif --spacing 1,1,1 --label 7 --output bad.tif --headless || exit 1
+done
 fails() { refuses "$1" "$2" isosculpt "${@:3}" --headless || exit 1; }
 fails 2 "there is no label 5: there are 3, 7, 100" --open in/a.nii.gz --label 5 --output bad.nii.gz
 fails 2 "label liver is neither the number of a label nor a name" --open in/a.seg.nrrd --label liver --output bad.seg.nrrd

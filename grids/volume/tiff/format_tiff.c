@@ -56,12 +56,28 @@ static iso_status describe_stack(const char *path, const iso_volume_opts *opts, 
     return ISO_OK;
 }
 
+/* Where the slices are that are read, for iso_volume_rewrite. */
+static void set_place(const iso_tiff_stack *stack, const iso_tiff_planes *planes, const iso_volume_info *info,
+                      iso_format_place *place) {
+    const uint64_t before = (uint64_t)info->component * planes->slices;
+    const uint64_t begin = stack->contiguous ? stack->contiguous : stack->in_one_piece.begin;
+    if (begin == 0 || stack->layout.samples != 1 || planes->step != 1 || planes->first != before ||
+        stack->files.count != 1 || stack->metadata.run_count > 0)
+        return;
+    *place = (iso_format_place){.told = true,
+                                .swap = stack->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__),
+                                .separate = true,
+                                .scalar = stack->layout.scalar,
+                                .position = begin};
+}
+
 static iso_status tiff_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                             iso_error *error) {
     iso_tiff_stack stack;
     iso_tiff_planes planes;
     iso_status status = iso_tiff_stack_open(path, opts, &stack, error);
     if (status == ISO_OK) status = describe_stack(path, opts, &stack, &planes, info, error);
+    if (status == ISO_OK) set_place(&stack, &planes, info, opts->place);
     iso_tiff_stack_free(&stack);
     return status;
 }

@@ -73,8 +73,13 @@ typedef struct iso_tiff_stack {
     uint64_t block_bytes;       /* the largest strip or tile */
     uint64_t contiguous;        /* ImageJ: only the first image has a header; byte at which the values of all
                                    images begin, one after another; 0: every image has a header */
-    bool big_endian;            /* of contiguous values */
-    size_t overviews;           /* images left out because they are reduced copies of others */
+    bool big_endian;            /* of the file */
+    /* Where the values begin, and would go on, if they are one sample a pixel, not compressed, of one file,
+     * and follow one another image by image; `begin` 0: they do not. */
+    struct {
+        uint64_t begin, end;
+    } in_one_piece;
+    size_t overviews; /* images left out because they are reduced copies of others */
 } iso_tiff_stack;
 
 /* Lists the images of a file, or of the files of a folder in the natural order of their names (slice_2
