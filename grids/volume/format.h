@@ -181,6 +181,7 @@ typedef struct iso_format_place {
     iso_scalar scalar;         /* of each of info->components components */
     uint64_t position;         /* of the first byte in the file, or behind `plain` in the unpacked one */
     uint64_t plain;            /* with gzip: bytes of the file in front of what is compressed */
+    bool by_module;            /* neither known nor told: the format's module writes the file again */
     bool told; /* not known, for `read` does more than reading what lies there; the rest is for
                   iso_volume_rewrite */
     char file[ISO_FORMAT_PATH]; /* where the voxels are; empty: in the file with the header */

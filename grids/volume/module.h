@@ -48,6 +48,14 @@ typedef size_t iso_vtk_unpacker(bool lzma, const unsigned char *packed, size_t s
 typedef iso_status iso_number_reader(const char *path, const char *array, const iso_volume_opts *opts,
                                      uint64_t count, double *numbers, iso_error *error);
 
+/* Changes a row of the values of slice z, of the type in the file and in the machine's byte order; returns
+ * whether it has. */
+typedef bool iso_row_changer(void *context, int y, int z, char *row);
+/* Writes a file to `stream` again, with rows changed in their order, and everything else as it is. */
+typedef iso_status iso_file_rewriter(const char *path, const iso_volume_opts *opts, iso_row_changer *change,
+                                     void *context, FILE *stream, const iso_progress *progress,
+                                     iso_error *error);
+
 /* The table of a module; functions that it does not have are NULL. */
 typedef struct iso_module {
     int abi; /* the first member, so that every version can read it */
@@ -60,6 +68,7 @@ typedef struct iso_module {
     const iso_remote *remote;
     iso_vtk_unpacker *vtk_unpack;
     iso_number_reader *read_numbers;
+    iso_file_rewriter *rewrite;
 } iso_module;
 
 #ifdef __cplusplus
@@ -71,8 +80,9 @@ typedef struct iso_module {
 /* Defines the one symbol that a module exports. ISO_VERSION comes from the build. */
 #define ISO_MODULE(format, dicom_decode, write_level_set, read_colors, vtk_unpack)                           \
     ISO_MODULE_EXTERN const iso_module iso_module_table;                                                     \
-    const iso_module iso_module_table = {ISO_MODULE_ABI, ISO_VERSION, format, dicom_decode, write_level_set, \
-                                         read_colors,    0,           0,      vtk_unpack,   0}
+    const iso_module iso_module_table = {ISO_MODULE_ABI,  ISO_VERSION, format, dicom_decode,                 \
+                                         write_level_set, read_colors, 0,      0,                            \
+                                         vtk_unpack,      0,           0}
 
 /* Loads module `name` and returns its table, which stays valid. `path` is the file that needs it and
  * `library` the library that it uses, both for messages. ISO_ERR_UNSUPPORTED: the module or a library is not

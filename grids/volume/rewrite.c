@@ -10,7 +10,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
-#include "grids/volume/format.h"
+#include "grids/volume/module.h"
 
 enum { BLOCK = 1 << 16 };
 
@@ -22,17 +22,17 @@ static iso_status find_place(const char *path, const iso_volume_opts *opts, iso_
     asked.mappable = NULL;
     ISO_TRY(iso_volume_find_place(path, &asked, info, place, error));
     const bool scaled = info->scale != 1 || info->offset != 0 ||
-                        (place->told && iso_scalar_stored_type(place->scalar) != info->type);
-    if ((place->known || place->told) && !place->text && !place->bits && !place->file[0] && !scaled)
+                        (!place->known && iso_scalar_stored_type(place->scalar) != info->type);
+    if ((place->known || place->told || place->by_module) && !place->text && !place->bits &&
+        !place->file[0] && !scaled)
         return ISO_OK;
-    return iso_fail(
-        error, ISO_ERR_USAGE,
-        "%s: %s: voxels go back into .nii, .nii.gz, .nrrd, .mha, .mgh, .mgz, .mif, .npy and .tif that have "
-        "them as they are, in one piece, or (not .mha and .tif) compressed by gzip",
-        path,
-        scaled           ? "its values are scaled (scl_slope, scl_inter)"
-        : place->file[0] ? "its voxels are in another file"
-                         : "its voxels cannot be written again");
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "%s: %s: voxels go back into .nii, .nii.gz, .nrrd, .mha, .mgh, .mgz, .mif and .npy that "
+                    "have them as they are or (not .mha) compressed by gzip, and into .tif",
+                    path,
+                    scaled           ? "its values are scaled (scl_slope, scl_inter)"
+                    : place->file[0] ? "its voxels are in another file"
+                                     : "its voxels cannot be written again");
 }
 
 iso_status iso_volume_rewrite_check(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
@@ -97,6 +97,8 @@ typedef struct voxels {
     size_t size, step, component; /* bytes of a value, of a voxel, and of the values before that of a voxel */
     char *bytes;                  /* of a row */
     float *values, *changed;      /* of a row */
+    iso_rewrite_row *row;
+    void *context; /* of `row` */
 } voxels;
 
 /* Writes a value in the file's type, which has it. */
@@ -151,25 +153,33 @@ static void put_value(const voxels *v, float value, char *target) {
     for (size_t i = 0; i < v->size; i++) target[i] = as.bytes[v->place->swap ? v->size - 1 - i : i];
 }
 
-/* Changes a row of bytes. */
-static void change_row(const voxels *v, iso_rewrite_row *row, void *context, int y, int z) {
+/* Changes a row of bytes; returns whether it has. */
+static bool change_row(const voxels *v, char *bytes, int y, int z) {
+    bool changed = false;
     const size_t count = (size_t)v->info->dims[0];
     for (size_t x = 0; x < count; x++) {
-        const iso_scalar_source source = {.data = v->bytes + x * v->step + v->component,
+        const iso_scalar_source source = {.data = bytes + x * v->step + v->component,
                                           .scalar = v->place->scalar,
                                           .components = 1,
                                           .swap = v->place->swap};
         iso_scalar_convert(&source, 1, ISO_FLOAT32, &v->values[x]);
     }
     memcpy(v->changed, v->values, count * sizeof *v->values);
-    row(context, y, z, v->changed);
-    for (size_t x = 0; x < count; x++)
-        if (memcmp(&v->changed[x], &v->values[x], sizeof *v->values))
-            put_value(v, v->changed[x], v->bytes + x * v->step + v->component);
+    v->row(v->context, y, z, v->changed);
+    for (size_t x = 0; x < count; x++) {
+        if (memcmp(&v->changed[x], &v->values[x], sizeof *v->values) == 0) continue;
+        put_value(v, v->changed[x], bytes + x * v->step + v->component);
+        changed = true;
+    }
+    return changed;
 }
 
-static iso_status pass_voxels(passing *p, const voxels *v, iso_rewrite_row *row, void *context,
-                              const iso_progress *progress, iso_error *error) {
+/* iso_row_changer */
+static bool change_whole_row(void *context, int y, int z, char *bytes) {
+    return change_row(context, bytes, y, z);
+}
+
+static iso_status pass_voxels(passing *p, const voxels *v, const iso_progress *progress, iso_error *error) {
     const int *dims = v->info->dims;
     const size_t wanted = (size_t)dims[0] * v->step;
     for (int z = 0; z < dims[2]; z++) {
@@ -178,7 +188,7 @@ static iso_status pass_voxels(passing *p, const voxels *v, iso_rewrite_row *row,
             size_t got;
             ISO_TRY(take(p, v->bytes, wanted, &got, error));
             if (got < wanted) return iso_format_truncated(p->path, got, wanted, error);
-            change_row(v, row, context, y, z);
+            change_row(v, v->bytes, y, z);
             give(p, v->bytes, wanted, Z_NO_FLUSH);
         }
     }
@@ -194,8 +204,7 @@ static iso_status begin_packed(passing *p, uint64_t total, iso_error *error) {
     return iso_fail_memory(error, p->path);
 }
 
-static iso_status pass_all(passing *p, const voxels *v, iso_rewrite_row *row, void *context,
-                           const iso_progress *progress, iso_error *error) {
+static iso_status pass_all(passing *p, const voxels *v, const iso_progress *progress, iso_error *error) {
     const iso_format_place *place = v->place;
     const uint64_t volume = iso_format_size(v->info->dims, v->step);
     uint64_t start = place->separate ? volume * (uint64_t)v->info->component : 0;
@@ -204,11 +213,35 @@ static iso_status pass_all(passing *p, const voxels *v, iso_rewrite_row *row, vo
     ISO_TRY(copy(p, place->plain, error));
     if (place->gzip) ISO_TRY(begin_packed(p, start + volume, error));
     ISO_TRY(copy(p, start, error));
-    ISO_TRY(pass_voxels(p, v, row, context, progress, error));
+    ISO_TRY(pass_voxels(p, v, progress, error));
     ISO_TRY(copy(p, UINT64_MAX, error));
     if (p->inflater) ISO_TRY(iso_inflater_finish(p->inflater, NULL, error));
     give(p, p->block, 0, Z_FINISH);
     return ISO_OK;
+}
+
+static iso_status rewrite_file(const char *path, const voxels *v, FILE *stream, const iso_progress *progress,
+                               iso_error *error) {
+    passing *p = iso_alloc_zero(1, sizeof *p);
+    if (!p) return iso_fail_memory(error, path);
+    p->path = path;
+    p->to = stream;
+    iso_status status = iso_file_open(path, &p->from, NULL, error);
+    if (status == ISO_OK) {
+        status = pass_all(p, v, progress, error);
+        if (p->inflater) deflateEnd(&p->z);
+        iso_inflater_destroy(p->inflater);
+        fclose(p->from);
+    }
+    iso_free(p);
+    return status;
+}
+
+static iso_status rewrite_by_module(const char *path, const iso_volume_opts *opts, voxels *v, FILE *stream,
+                                    const iso_progress *progress, iso_error *error) {
+    const iso_module *module;
+    ISO_TRY(iso_module_load(path, "tiff", "libtiff", &module, error));
+    return module->rewrite(path, opts, change_whole_row, v, stream, progress, error);
 }
 
 iso_status iso_volume_rewrite(const char *path, const iso_volume_opts *opts, iso_rewrite_row *row,
@@ -216,33 +249,25 @@ iso_status iso_volume_rewrite(const char *path, const iso_volume_opts *opts, iso
     iso_volume_info info;
     iso_format_place place;
     ISO_TRY(find_place(path, opts, &info, &place, error));
+    const bool single = place.separate || place.by_module; /* a row holds no other components */
     const size_t size = iso_scalar_size(place.scalar), count = (size_t)info.dims[0],
-                 own = place.separate ? 0 : (size_t)info.component,
-                 step = size * (place.separate ? 1 : (size_t)info.components);
-    passing *p = iso_alloc_zero(1, sizeof *p);
+                 step = size * (single ? 1 : (size_t)info.components);
     voxels v = {.place = &place,
                 .info = &info,
                 .size = size,
                 .step = step,
-                .component = size * own,
+                .component = single ? 0 : size * (size_t)info.component,
                 .bytes = iso_alloc(count * step),
                 .values = iso_alloc(count * sizeof *v.values),
-                .changed = iso_alloc(count * sizeof *v.changed)};
-    iso_status status = p && v.bytes && v.values && v.changed ? ISO_OK : iso_fail_memory(error, path);
-    if (status == ISO_OK) {
-        p->path = path;
-        p->to = stream;
-        status = iso_file_open(path, &p->from, NULL, error);
-    }
-    if (status == ISO_OK) {
-        status = pass_all(p, &v, row, context, progress, error);
-        if (p->inflater) deflateEnd(&p->z);
-        iso_inflater_destroy(p->inflater);
-        fclose(p->from);
-    }
+                .changed = iso_alloc(count * sizeof *v.changed),
+                .row = row,
+                .context = context};
+    iso_status status = v.bytes && v.values && v.changed ? ISO_OK : iso_fail_memory(error, path);
+    if (status == ISO_OK)
+        status = place.by_module ? rewrite_by_module(path, opts, &v, stream, progress, error)
+                                 : rewrite_file(path, &v, stream, progress, error);
     iso_free(v.bytes);
     iso_free(v.values);
     iso_free(v.changed);
-    iso_free(p);
     return status;
 }

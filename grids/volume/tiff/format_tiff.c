@@ -56,28 +56,15 @@ static iso_status describe_stack(const char *path, const iso_volume_opts *opts, 
     return ISO_OK;
 }
 
-/* Where the slices are that are read, for iso_volume_rewrite. */
-static void set_place(const iso_tiff_stack *stack, const iso_tiff_planes *planes, const iso_volume_info *info,
-                      iso_format_place *place) {
-    const uint64_t before = (uint64_t)info->component * planes->slices;
-    const uint64_t begin = stack->contiguous ? stack->contiguous : stack->in_one_piece.begin;
-    if (begin == 0 || stack->layout.samples != 1 || planes->step != 1 || planes->first != before ||
-        stack->files.count != 1 || stack->metadata.run_count > 0)
-        return;
-    *place = (iso_format_place){.told = true,
-                                .swap = stack->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__),
-                                .separate = true,
-                                .scalar = stack->layout.scalar,
-                                .position = begin};
-}
-
 static iso_status tiff_info(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                             iso_error *error) {
     iso_tiff_stack stack;
     iso_tiff_planes planes;
     iso_status status = iso_tiff_stack_open(path, opts, &stack, error);
     if (status == ISO_OK) status = describe_stack(path, opts, &stack, &planes, info, error);
-    if (status == ISO_OK) set_place(&stack, &planes, info, opts->place);
+    if (status == ISO_OK)
+        *opts->place =
+            (iso_format_place){.by_module = iso_tiff_can_rewrite(&stack), .scalar = stack.layout.scalar};
     iso_tiff_stack_free(&stack);
     return status;
 }
@@ -274,4 +261,6 @@ static iso_status tiff_open_tiled(const char *path, const iso_volume_opts *opts,
 static const iso_format format = {
     .name = "tiff", .library = "libtiff", .info = tiff_info, .open_tiled = tiff_open_tiled};
 
-ISO_MODULE(&format, NULL, NULL, NULL, NULL);
+ISO_MODULE_EXTERN const iso_module iso_module_table;
+const iso_module iso_module_table = {
+    .abi = ISO_MODULE_ABI, .version = ISO_VERSION, .format = &format, .rewrite = iso_tiff_rewrite};

@@ -41,7 +41,9 @@ static int keep_warning(TIFF *tiff, void *context, const char *module, const cha
     return 1;
 }
 
-iso_status iso_tiff_open(const char *path, uint64_t most, iso_tiff_file **file, iso_error *error) {
+/* The descriptor is the library's when it has opened the file, else closed. */
+static iso_status open_descriptor(const char *path, int descriptor, const char *mode, uint64_t most,
+                                  iso_tiff_file **file, iso_error *error) {
     iso_tiff_file *opened = calloc(1, sizeof *opened);
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
     *file = NULL;
@@ -49,19 +51,14 @@ iso_status iso_tiff_open(const char *path, uint64_t most, iso_tiff_file **file, 
     if (!opened || !opened->path || !options) {
         TIFFOpenOptionsFree(options);
         iso_tiff_close(opened);
+        close(descriptor);
         return iso_fail_memory(error, path);
     }
     TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, opened);
     TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, opened);
     if (most) TIFFOpenOptionsSetMaxSingleMemAlloc(options, most < INT64_MAX ? (tmsize_t)most : INT64_MAX);
-    int descriptor = -1; /* the library's when it has opened the file */
-    if (iso_file_descriptor(path, &descriptor, NULL, error) != ISO_OK) {
-        TIFFOpenOptionsFree(options);
-        iso_tiff_close(opened);
-        return ISO_ERR_IO;
-    }
     /* m: no memory map, whose pages count as memory */
-    opened->tiff = TIFFFdOpenExt(descriptor, path, "rm", options);
+    opened->tiff = TIFFFdOpenExt(descriptor, path, mode, options);
     TIFFOpenOptionsFree(options);
     if (!opened->tiff) {
         close(descriptor);
@@ -72,6 +69,17 @@ iso_status iso_tiff_open(const char *path, uint64_t most, iso_tiff_file **file, 
     }
     *file = opened;
     return ISO_OK;
+}
+
+iso_status iso_tiff_open(const char *path, uint64_t most, iso_tiff_file **file, iso_error *error) {
+    int descriptor;
+    *file = NULL;
+    ISO_TRY(iso_file_descriptor(path, &descriptor, NULL, error));
+    return open_descriptor(path, descriptor, "rm", most, file, error);
+}
+
+iso_status iso_tiff_open_to_change(const char *path, int descriptor, iso_tiff_file **file, iso_error *error) {
+    return open_descriptor(path, descriptor, "r+m", 0, file, error);
 }
 
 void iso_tiff_close(iso_tiff_file *file) {

@@ -137,6 +137,7 @@ static void find_contiguous(const header *h, iso_tiff_stack *stack) {
         !TIFFGetField(h->tiff, TIFFTAG_STRIPOFFSETS, &offsets) || !offsets)
         return;
     stack->contiguous = offsets[0];
+    stack->big_endian = TIFFIsBigEndian(h->tiff) != 0;
 }
 
 /* ---- all images ---- */
@@ -155,20 +156,15 @@ static iso_status add_image(iso_tiff_stack *stack, const header *h, uint32_t fil
     return ISO_OK;
 }
 
-/* Whether an image's values lie as they are behind one another; moves *end behind them. */
-static bool follows(const header *h, const iso_tiff_layout *layout, uint64_t *end) {
-    uint16_t compression = COMPRESSION_NONE, order = FILLORDER_MSB2LSB;
-    TIFFGetFieldDefaulted(h->tiff, TIFFTAG_COMPRESSION, &compression);
-    TIFFGetFieldDefaulted(h->tiff, TIFFTAG_FILLORDER, &order);
-    if (compression != COMPRESSION_NONE || order != FILLORDER_MSB2LSB || layout->samples != 1 ||
-        TIFFIsTiled(h->tiff))
-        return false;
-    const uint64_t begin = *end;
-    for (uint32_t i = 0; i < TIFFNumberOfStrips(h->tiff); i++) {
-        if (TIFFGetStrileOffset(h->tiff, i) != *end) return false;
-        *end += TIFFGetStrileByteCount(h->tiff, i);
-    }
-    return *end - begin == (uint64_t)layout->width * layout->height * iso_scalar_size(layout->scalar);
+static bool keeps_values(TIFF *tiff) {
+    static const uint16_t exact[] = {COMPRESSION_NONE,    COMPRESSION_LZW,  COMPRESSION_PACKBITS,
+                                     COMPRESSION_DEFLATE, COMPRESSION_LZMA, COMPRESSION_ADOBE_DEFLATE,
+                                     COMPRESSION_ZSTD};
+    uint16_t compression = COMPRESSION_NONE;
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
+    for (size_t i = 0; i < sizeof exact / sizeof *exact; i++)
+        if (compression == exact[i]) return true;
+    return false;
 }
 
 /* Reads the header of the current image; reduced copies of other images are left out. */
@@ -184,15 +180,13 @@ static iso_status read_image(const header *h, uint32_t file, iso_tiff_stack *sta
     ISO_TRY(read_layout(h, &layout, error));
     if (stack->count == 0) {
         stack->layout = layout;
-        stack->big_endian = TIFFIsBigEndian(h->tiff) != 0;
-        stack->in_one_piece.begin = stack->in_one_piece.end = TIFFGetStrileOffset(h->tiff, 0);
         ISO_TRY(read_geometry(h, stack, error));
     }
+    stack->lossy |= !keeps_values(h->tiff);
     const bool differs = !is_same(&layout, &stack->layout);
     if (differs) keep_difference(h, &layout, stack);
     ISO_TRY(measure_blocks(h, &layout, &bytes, error));
     if (!differs && bytes > stack->block_bytes) stack->block_bytes = bytes;
-    if (differs || file > 0 || !follows(h, &layout, &stack->in_one_piece.end)) stack->in_one_piece.begin = 0;
     return add_image(stack, h, file, differs, error);
 }
 

@@ -7,7 +7,7 @@
 #ifndef ISO_GRIDS_VOLUME_TIFF_TIFF_H
 #define ISO_GRIDS_VOLUME_TIFF_TIFF_H
 
-#include "grids/volume/format.h"
+#include "grids/volume/module.h"
 #include "grids/volume/slice_files.h"
 
 /* ---- metadata ---- */
@@ -73,13 +73,9 @@ typedef struct iso_tiff_stack {
     uint64_t block_bytes;       /* the largest strip or tile */
     uint64_t contiguous;        /* ImageJ: only the first image has a header; byte at which the values of all
                                    images begin, one after another; 0: every image has a header */
-    bool big_endian;            /* of the file */
-    /* Where the values begin, and would go on, if they are one sample a pixel, not compressed, of one file,
-     * and follow one another image by image; `begin` 0: they do not. */
-    struct {
-        uint64_t begin, end;
-    } in_one_piece;
-    size_t overviews; /* images left out because they are reduced copies of others */
+    bool big_endian;            /* of contiguous values */
+    bool lossy;                 /* an image is compressed by a method that changes values */
+    size_t overviews;           /* images left out because they are reduced copies of others */
 } iso_tiff_stack;
 
 /* Lists the images of a file, or of the files of a folder in the natural order of their names (slice_2
@@ -117,6 +113,8 @@ iso_status iso_tiff_planes_find(const char *path, const iso_volume_opts *opts, i
  * ISO_ERR_IO. */
 typedef struct iso_tiff_file iso_tiff_file;
 iso_status iso_tiff_open(const char *path, uint64_t most, iso_tiff_file **file, iso_error *error);
+/* The same for a file that is open for reading and writing, which is libtiff's when it has been opened. */
+iso_status iso_tiff_open_to_change(const char *path, int descriptor, iso_tiff_file **file, iso_error *error);
 void iso_tiff_close(iso_tiff_file *file);
 struct tiff *iso_tiff_handle(iso_tiff_file *file);
 /* Makes an image of this file the current one, in a time that does not depend on its number. ISO_ERR_IO. */
@@ -147,5 +145,13 @@ typedef struct iso_tiff_target {
 } iso_tiff_target;
 iso_status iso_tiff_read_box(iso_tiff_file *file, const iso_tiff_stack *stack, uint32_t page, void *block,
                              const iso_tiff_target *target, iso_error *error);
+
+/* ---- rewrite ---- */
+
+/* Whether iso_tiff_rewrite can write a stack again. */
+bool iso_tiff_can_rewrite(const iso_tiff_stack *stack);
+/* As iso_file_rewriter (grids/volume/module.h): blocks with changed values are compressed as they were. */
+iso_status iso_tiff_rewrite(const char *path, const iso_volume_opts *opts, iso_row_changer *change,
+                            void *context, FILE *stream, const iso_progress *progress, iso_error *error);
 
 #endif
