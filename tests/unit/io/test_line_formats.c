@@ -248,8 +248,8 @@ static void test_vtp_errors(void **state) {
     assert_int_equal(lines.vertex_count, 2);
     iso_lines_free(&lines);
     refuse_text(FILE_VTP, "<VTKFile type=\"ImageData\">", ISO_ERR_FORMAT, "ImageData");
-    refuse_text(FILE_VTP, "<VTKFile type=\"PolyData\" compressor=\"vtkLZ4DataCompressor\">",
-                ISO_ERR_UNSUPPORTED, "vtkLZ4DataCompressor");
+    refuse_text(FILE_VTP, "<VTKFile type=\"PolyData\" compressor=\"vtkOwnDataCompressor\">",
+                ISO_ERR_UNSUPPORTED, "vtkOwnDataCompressor");
     refuse_text(FILE_VTP, "<?xml version=\"1.0\"?><html>", ISO_ERR_FORMAT, "VTKFile");
     refuse_text(FILE_VTP, "<VTKFile type=\"PolyData\"><PolyData>", ISO_ERR_IO, "truncated");
 }
