@@ -8,8 +8,27 @@ static bool contains(const iso_box *box, const iso_box *other) {
            box->hi.x >= other->hi.x && box->hi.y >= other->hi.y && box->hi.z >= other->hi.z;
 }
 
+/* The same bytes as iso_box_transform, with less work: rounding is monotonic, so that each side of the result
+ * is at the corner that the signs of the row's coefficients choose. */
+static iso_box map_box(const iso_box *box, const iso_affine *affine) {
+    if (iso_box_is_empty(box)) return *box;
+    const double lo[3] = {box->lo.x, box->lo.y, box->lo.z}, hi[3] = {box->hi.x, box->hi.y, box->hi.z};
+    double least[3], most[3];
+    for (int k = 0; k < 3; k++) {
+        const double *m = affine->m + 3 * k;
+        double low[3], high[3];
+        for (int i = 0; i < 3; i++) {
+            low[i] = m[i] * (m[i] < 0 ? hi[i] : lo[i]);
+            high[i] = m[i] * (m[i] < 0 ? lo[i] : hi[i]);
+        }
+        least[k] = low[0] + low[1] + low[2] + affine->origin[k];
+        most[k] = high[0] + high[1] + high[2] + affine->origin[k];
+    }
+    return (iso_box){{least[0], least[1], least[2]}, {most[0], most[1], most[2]}};
+}
+
 bool iso_box_contains_mapped(const iso_box *box, const iso_box *index, const iso_affine *affine) {
-    const iso_box mapped = affine ? iso_box_transform(index, affine) : *index;
+    const iso_box mapped = affine ? map_box(index, affine) : *index;
     return contains(box, &mapped);
 }
 
@@ -24,7 +43,7 @@ static void find_farthest(const iso_box_items *items, const iso_affine *affine, 
     double most[SIDES], reaches[SIDES];
     for (size_t i = 0; i < items->count; i++) {
         iso_box box = items->around(items->context, i);
-        if (affine) box = iso_box_transform(&box, affine);
+        if (affine) box = map_box(&box, affine);
         find_reaches(&box, reaches);
         for (int side = 0; side < SIDES; side++)
             if (i == 0 || reaches[side] > most[side]) {

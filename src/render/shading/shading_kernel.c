@@ -294,7 +294,7 @@ static void sum_shaded(const int32_t *samples, size_t stride, int factor, int co
 }
 
 /* Sums the `factor` columns of each pixel, in place; the pixels up to a whole vector get 0. */
-static void add_packed(packed_sums *sums, int factor, int pixels) {
+ISO_INLINE void add_packed(packed_sums *sums, int factor, int pixels) {
     for (int x = 0; x < pixels; x++) {
         int32_t red_blue = 0, green_alpha = 0;
         for (int i = x * factor; i < (x + 1) * factor; i++) {
@@ -319,7 +319,10 @@ void ISO_KERNEL_NAME(iso_average_rows)(const iso_shade_params *params, const int
         for (int x = 0; x < width; x += tile) {
             const int pixels = width - x < tile ? width - x : tile;
             sum_shaded(samples + x * factor, stride, factor, pixels * factor, &packed);
-            add_packed(&packed, factor, pixels);
+            if (factor == 2)
+                add_packed(&packed, 2, pixels); /* as vectors */
+            else
+                add_packed(&packed, factor, pixels);
             for (int i = 0; i < pixels; i += ISO_LANES) {
                 const vi red_blue = v_loadi(packed.red_blue + i),
                          green_alpha = v_loadi(packed.green_alpha + i);
