@@ -1,6 +1,5 @@
-/* bounds: the box of the points where the surface crosses the edges of cells. Bricks and octants whose
- * crossed cells lie wholly in the box found so far are skipped, so that the points of only a few octants are
- * computed. */
+/* bounds: the box of the points where the surface crosses the edges of cells. Bricks, octants and cells that
+ * lie wholly in the box found so far are skipped, so that the points of only a few cells are computed. */
 #include <math.h>
 
 #include "base/box_items.h"
@@ -48,13 +47,15 @@ static void add_octant(const iso_exact *exact, const iso_exact_span *span, const
     for (int z = 0; z < ISO_EXACT_SIDE; z++)
         for (uint64_t mask = octant->mask[z]; mask; mask &= mask - 1, cell++) {
             const int position = __builtin_ctzll(mask);
-            float value[8];
-            for (size_t corner = 0; corner < 8; corner++)
-                value[corner] = corner_value(exact, corners, corner * plane + cell);
             const iso_vec3 first =
                 iso_vec3_make(ISO_BRICK * (double)span->brick[0] + octant->origin[0] + (position & 7),
                               ISO_BRICK * (double)span->brick[1] + octant->origin[1] + (position >> 3),
                               ISO_BRICK * (double)span->brick[2] + octant->origin[2] + z);
+            const iso_box around = {first, {first.x + 1, first.y + 1, first.z + 1}};
+            if (iso_box_contains_mapped(box, &around, affine)) continue;
+            float value[8];
+            for (size_t corner = 0; corner < 8; corner++)
+                value[corner] = corner_value(exact, corners, corner * plane + cell);
             add_cell(&exact->surface, value, first, affine, box);
         }
 }

@@ -17,17 +17,22 @@ typedef struct exact_draw {
     iso_rows rows; /* that are drawn */
     int band_count;
     iso_exact_scratch *scratch; /* by worker */
-    atomic_size_t covered;      /* pixels that show the surface; set when a picture is painted */
+    atomic_size_t covered;      /* samples that show the surface; set when a picture is painted */
+    /* A picture of several samples a pixel, else NULL and 1; `samples` has `room` items for each worker. */
+    const iso_exact_picture *averaged;
+    int factor;
+    int32_t *samples;
+    size_t room;
 } exact_draw;
 
 /* Writes the background to the pixels of a band that are still free; returns the number of the others. */
-static size_t fill_free_pixels(const exact_draw *draw, const iso_exact_scratch *scratch) {
-    const int width = draw->frame.projection.target->gbuffer->width;
-    const iso_exact_paint *paint = draw->frame.projection.paint;
+static size_t fill_free_pixels(const iso_exact_projection *projection, const iso_exact_scratch *scratch) {
+    const int width = projection->target->gbuffer->width;
+    const iso_exact_paint *paint = projection->paint;
     size_t taken = 0;
     for (int y = scratch->rows.first; y <= scratch->rows.last; y++) {
         const uint64_t *row = scratch->open + (ptrdiff_t)(y - scratch->rows.first) * scratch->words;
-        int32_t *pixels = paint->pixels + (ptrdiff_t)y * width;
+        int32_t *pixels = paint->pixels + ((ptrdiff_t)y * width - paint->skipped);
         taken += (size_t)width;
         for (int word = 0; word < scratch->words; word++, pixels += 64) {
             taken -= (size_t)__builtin_popcountll(row[word]);
@@ -43,16 +48,39 @@ static size_t fill_free_pixels(const exact_draw *draw, const iso_exact_scratch *
     return taken;
 }
 
+/* Draws a band into the gbuffer or the picture. */
+static void draw_rows(exact_draw *draw, const iso_exact_frame *frame, iso_rows band, int worker) {
+    const iso_exact_paint *paint = frame->projection.paint;
+    iso_exact_scratch *scratch = &draw->scratch[worker];
+    iso_exact_frame_draw(frame, band, scratch);
+    if (paint && paint->pixels)
+        atomic_fetch_add_explicit(&draw->covered, fill_free_pixels(&frame->projection, scratch),
+                                  memory_order_relaxed);
+}
+
+/* Draws a band of samples, and averages them to pixels while they are in the cache. */
+static void average_rows(exact_draw *draw, iso_rows band, int worker) {
+    const iso_exact_picture *picture = draw->averaged;
+    iso_exact_frame frame = draw->frame;
+    iso_exact_paint paint = *frame.projection.paint;
+    paint.pixels = draw->samples + (size_t)worker * draw->room;
+    paint.skipped = (ptrdiff_t)band.first * picture->view->width;
+    frame.projection.paint = &paint;
+    draw_rows(draw, &frame, band, worker);
+    const iso_shaded_samples shaded = {paint.pixels, draw->factor, band.first / draw->factor,
+                                       (band.last + 1 - band.first) / draw->factor};
+    iso_average_samples(picture->shading, &shaded, picture->image);
+}
+
 static void draw_band(void *context, size_t index, int worker) {
     exact_draw *draw = context;
-    const iso_exact_projection *projection = &draw->frame.projection;
-    iso_exact_scratch *scratch = &draw->scratch[worker];
-    iso_rows band = iso_band_rows(draw->rows.last - draw->rows.first + 1, draw->band_count, index);
-    band.first += draw->rows.first;
-    band.last += draw->rows.first;
-    iso_exact_frame_draw(&draw->frame, band, scratch);
-    if (projection->paint && projection->paint->pixels)
-        atomic_fetch_add_explicit(&draw->covered, fill_free_pixels(draw, scratch), memory_order_relaxed);
+    const int factor = draw->factor, first = draw->rows.first;
+    const iso_rows pixels = iso_band_rows((draw->rows.last - first + 1) / factor, draw->band_count, index),
+                   band = {first + factor * pixels.first, first + factor * pixels.last + factor - 1};
+    if (draw->averaged)
+        average_rows(draw, band, worker);
+    else
+        draw_rows(draw, &draw->frame, band, worker);
 }
 
 static int choose_band_count(const iso_pool *pool, int height, int words) {
@@ -78,14 +106,20 @@ static bool choose_rows(exact_draw *draw) {
 
 static iso_status draw_started_frame(exact_draw *draw, iso_error *error) {
     const iso_target *target = draw->frame.projection.target;
-    const int width = target->gbuffer->width, height = draw->rows.last - draw->rows.first + 1;
-    draw->band_count = choose_band_count(target->pool, height, width / 64 + 2);
-    draw->scratch = iso_exact_scratch_create((size_t)iso_pool_threads(target->pool), width,
-                                             (height + draw->band_count - 1) / draw->band_count);
-    if (!draw->scratch) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing cells");
-    iso_parallel_until(target->pool, (size_t)draw->band_count, draw_band, draw);
+    const int width = target->gbuffer->width, height = draw->rows.last - draw->rows.first + 1,
+              pixel_rows = height / draw->factor,
+              bands = choose_band_count(target->pool, height, width / 64 + 2);
+    const size_t workers = (size_t)iso_pool_threads(target->pool);
+    draw->band_count = bands < pixel_rows ? bands : pixel_rows;
+    const int rows = (pixel_rows + draw->band_count - 1) / draw->band_count * draw->factor;
+    draw->room = (size_t)rows * (size_t)width;
+    if (draw->averaged) draw->samples = iso_alloc(workers * draw->room * sizeof *draw->samples);
+    draw->scratch = iso_exact_scratch_create(workers, width, rows);
+    const bool ready = draw->scratch && (draw->samples || !draw->averaged);
+    if (ready) iso_parallel_until(target->pool, (size_t)draw->band_count, draw_band, draw);
     iso_free(draw->scratch);
-    return ISO_OK;
+    iso_free(draw->samples);
+    return ready ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing cells");
 }
 
 static iso_status draw_bands(exact_draw *draw, iso_error *error) {
@@ -98,7 +132,7 @@ static iso_status draw_bands(exact_draw *draw, iso_error *error) {
 
 iso_status iso_draw_exact(const iso_target *target, const iso_exact *exact, iso_error *error) {
     if (!exact->sorted || exact->set.span_count == 0) return ISO_OK;
-    exact_draw draw = {.frame.projection = iso_exact_projection_make(target, exact)};
+    exact_draw draw = {.frame.projection = iso_exact_projection_make(target, exact), .factor = 1};
     return draw_bands(&draw, error);
 }
 
@@ -132,7 +166,12 @@ iso_status iso_paint_exact(const iso_exact_picture *picture, const iso_exact *ex
     const iso_target target = {
         .view = picture->view, .gbuffer = &size, .pool = picture->pool, .clip = picture->clip};
     iso_exact_paint to = {.pixels = (int32_t *)picture->image->rgba, .empty = iso_shading_empty(shading)};
-    exact_draw draw = {.frame.projection = iso_exact_projection_make(&target, exact)};
+    exact_draw draw = {.frame.projection = iso_exact_projection_make(&target, exact), .factor = 1};
+    if (picture->factor > 1) {
+        draw.factor = picture->factor;
+        draw.averaged = picture;
+        to.empty = 0; /* of a sample */
+    }
     const iso_status status = paint(&target, &to, shading->colors[0], &draw, error);
     if (covered && status == ISO_OK) *covered = atomic_load(&draw.covered);
     return status;
@@ -147,6 +186,6 @@ iso_status iso_draw_exact_keys(const iso_exact_key_picture *picture, const iso_e
     iso_exact_paint to = {.keys = picture->keys->keys};
     if (picture->keys->height == ISO_KEY_PLANES * size.height)
         to.depths = to.keys + (size_t)size.width * (size_t)size.height;
-    exact_draw draw = {.frame.projection = iso_exact_projection_make(&target, exact)};
+    exact_draw draw = {.frame.projection = iso_exact_projection_make(&target, exact), .factor = 1};
     return paint(&target, &to, picture->color, &draw, error);
 }

@@ -68,7 +68,7 @@ iso_box iso_exact_bounds(const iso_exact *exact, const iso_affine *affine);
 
 /* Draws the surface into a gbuffer: replaces the samples that are farther than the surface. The gbuffer gets
  * the same bytes with every number of threads and instruction set, and when drawn in strips of any height.
- * ISO_ERR_NOMEM. */
+ * ISO_ERR_NOMEM, ISO_ERR_LIMIT (more than 65536 x 32768 samples). */
 iso_status iso_draw_exact(const iso_target *target, const iso_exact *exact, iso_error *error);
 
 /* A picture to draw into a key image; all pointers are borrowed for the call. */
@@ -89,16 +89,17 @@ iso_status iso_draw_exact_keys(const iso_exact_key_picture *picture, const iso_e
 
 /* A picture to paint; all pointers are borrowed for the call. */
 typedef struct iso_exact_picture {
-    const iso_view *view;       /* of the image's size */
+    const iso_view *view;       /* of all samples: of the image's size if there is one a pixel */
     const iso_shading *shading; /* the surface gets the first of its colours */
     iso_image *image;
     iso_pool *pool;       /* NULL: the calling thread */
     const iso_clip *clip; /* what is cut away of the surface; NULL: nothing */
+    int factor;           /* a pixel is factor x factor samples (ISO_FACTOR_MAX at most); 1 or 0: one */
 } iso_exact_picture;
 
-/* Draws and shades this surface alone, with one sample a pixel and without a gbuffer. Faster than
- * iso_draw_exact into an empty gbuffer followed by iso_shade, and gives the same bytes. *covered (may be
- * NULL): the number of pixels that show the surface. ISO_ERR_NOMEM. */
+/* Draws and shades this surface alone, without a gbuffer. Faster than iso_draw_exact into an empty gbuffer
+ * followed by iso_shade, and gives the same bytes. *covered (may be NULL): the number of samples that show
+ * the surface. ISO_ERR_NOMEM, ISO_ERR_LIMIT (more than 65536 x 32768 samples). */
 iso_status iso_paint_exact(const iso_exact_picture *picture, const iso_exact *exact, size_t *covered,
                            iso_error *error);
 

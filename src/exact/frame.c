@@ -10,6 +10,8 @@
 
 enum {
     SPANS_PER_TASK = 64,
+    MOST_COLUMNS = 1 << 16, /* the kernels keep a pixel as y << 16 | x, signed */
+    MOST_ROWS = 1 << 15,
     OCTANTS_AT_ONCE = 32 /* at least so many are drawn at once: a kernel fetches the next one in advance */
 };
 
@@ -59,7 +61,13 @@ static iso_status alloc_frame(iso_exact_frame *frame, iso_error *error) {
 }
 
 iso_status iso_exact_frame_start(iso_exact_frame *frame, iso_error *error) {
+    const iso_view *view = frame->projection.target->view;
     const iso_grid *grid = &frame->projection.exact->grid;
+    if (view->width > MOST_COLUMNS || view->height > MOST_ROWS)
+        return iso_fail(error, ISO_ERR_LIMIT,
+                        "a picture of %d x %d samples, but the exact surface is drawn in %d x %d at most: "
+                        "use fewer --samples or a lower --resolution",
+                        view->width, view->height, MOST_COLUMNS, MOST_ROWS);
     frame->projection.gradients = iso_exact_gradients_get(grid, iso_cpu_best());
     frame->projection.voxels = iso_exact_voxels_of(grid);
     ISO_TRY(alloc_frame(frame, error));

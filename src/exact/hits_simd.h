@@ -204,7 +204,7 @@ ISO_INLINE void fetch_pixel(const iso_exact_projection *projection, ptrdiff_t at
         if (projection->paint->keys)
             __builtin_prefetch(projection->paint->keys + at, 1);
         else
-            __builtin_prefetch(projection->paint->pixels + at, 1);
+            __builtin_prefetch(projection->paint->pixels + (at - projection->paint->skipped), 1);
         return;
     }
     __builtin_prefetch(gbuffer->depth + at, 1);
@@ -239,7 +239,7 @@ ISO_STEP static void write_hits(const iso_exact_projection *projection, const is
  * (claim_pixels). */
 ISO_STEP static void paint_hits(const iso_exact_paint *paint, const iso_exact_hits *hits) {
     for (int i = 0; i < hits->count; i++)
-        if (hits->depth[i] < INFINITY) paint->pixels[hits->pixel[i]] = hits->word[i];
+        if (hits->depth[i] < INFINITY) paint->pixels[hits->pixel[i] - paint->skipped] = hits->word[i];
 }
 
 /* Writes the hits into the key image, likewise. */

@@ -88,7 +88,7 @@ ISO_INLINE void paint_run(const iso_exact_projection *projection, const iso_exac
                           iso_exact_pixel_run run, int first, uint64_t pixels) {
     const int width = projection->target->gbuffer->width, x = run.pixel & 0xffff, y = run.pixel >> 16;
     const int32_t *word = patch->word + ISO_LANES_MAX + first;
-    int32_t *to = projection->paint->pixels + (ptrdiff_t)y * width + x;
+    int32_t *to = projection->paint->pixels + ((ptrdiff_t)y * width + x - projection->paint->skipped);
     int n = 0;
     for (; n < run.count && x + n + ISO_LANES <= width; n += ISO_LANES) {
         const vm mask = v_from_mask((uint32_t)(pixels >> n) & ((1u << ISO_LANES) - 1));

@@ -17,6 +17,7 @@
  * a gbuffer. */
 typedef struct iso_exact_paint {
     int32_t *pixels;    /* of the image, RGBA; NULL: `keys` is set instead */
+    ptrdiff_t skipped;  /* how many pixels of the image come before the first of `pixels` */
     uint64_t *keys;     /* of a key image: place of the brick << 32 | RGBA */
     uint64_t *depths;   /* place of the brick << 32 | bits of the depth; NULL: not kept */
     const float *u, *v; /* rays (u, v, 1): u by column (with ISO_LANES_MAX readable items more), v by row */

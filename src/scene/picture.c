@@ -248,21 +248,29 @@ static iso_status render_gaussians(drawing *d, iso_picture_opts *opts, iso_image
     return status;
 }
 
-/* Whether the picture needs no gbuffer: one exact trilinear surface with one sample a pixel, and nothing
- * beside it. */
+/* Whether the picture needs no gbuffer: one exact trilinear surface, and nothing beside it. (Of higher ones,
+ * the rows of all samples have numbers only in strips.) */
 static bool is_painted(const iso_scene *scene, const iso_picture_opts *opts) {
     return scene->renderer->method == ISO_METHOD_EXACT && !scene->engine && !scene->caps &&
            iso_scene_colors(scene) == 1 && scene->count == 1 && !scene->surfaces[0].surface->spline &&
-           !has_labels(scene) && !has_colorings(scene) && opts->samples <= 1 && !opts->aov &&
+           !has_labels(scene) && !has_colorings(scene) && !opts->aov &&
+           opts->height * iso_picture_factor(opts->samples) <= INT16_MAX &&
            opts->lighting == ISO_LIGHTING_PHONG && !opts->occlusion && !(opts->outline > 0) &&
            !opts->gbuffer && !opts->rows[1];
 }
 
 static iso_status paint(const iso_scene *scene, const iso_picture_opts *opts, iso_image *image,
                         size_t *covered, iso_error *error) {
-    const iso_view view = opts->view ? *opts->view : iso_view_make(opts->camera, opts->width, opts->height);
-    const iso_exact_picture whole = {&view, &opts->shading, image, opts->pool,
-                                     scene->surfaces[0].surface->clip};
+    ISO_TRY(iso_picture_check_samples(opts->samples, error));
+    const int factor = iso_picture_factor(opts->samples);
+    const iso_view pixels = opts->view ? *opts->view : iso_view_make(opts->camera, opts->width, opts->height),
+                   view = iso_view_scaled(&pixels, factor);
+    const iso_exact_picture whole = {.view = &view,
+                                     .shading = &opts->shading,
+                                     .image = image,
+                                     .pool = opts->pool,
+                                     .clip = scene->surfaces[0].surface->clip,
+                                     .factor = factor};
     ISO_TRY(iso_paint_exact(&whole, scene->surfaces[0].surface->exact, covered, error));
     return iso_pool_check(opts->pool, "the picture", error);
 }

@@ -117,7 +117,8 @@ static iso_status open_exact(bench_frame *frame, iso_error *error) {
 }
 
 static iso_status paint_exact(bench_frame *frame, size_t *covered, iso_error *error) {
-    const iso_exact_picture canvas = {&frame->view.view, &SHADING, &frame->subject->image, frame->pool, NULL};
+    const iso_exact_picture canvas = {&frame->view.view, &SHADING, &frame->subject->image,
+                                      frame->pool,       NULL,     1};
     return iso_paint_exact(&canvas, frame->exact, covered, error);
 }
 

@@ -160,7 +160,7 @@ static void painted_row(golden_table *table, const surface *s, iso_image *image)
     iso_camera camera = camera_of(s, false);
     const iso_view view = iso_view_make(&camera, WIDTH, HEIGHT);
     const iso_shading shading = {COLORS, SURFACES, {255, 255, 255}, 0, {0, 0, 0}};
-    const iso_exact_picture canvas = {&view, &shading, image, s->pool, NULL};
+    const iso_exact_picture canvas = {&view, &shading, image, s->pool, NULL, 1};
     size_t covered = 0;
     golden_check(iso_paint_exact(&canvas, s->surfaces[0].exact, &covered, &error), &error);
     char name[96];

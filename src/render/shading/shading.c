@@ -58,6 +58,14 @@ size_t iso_shade(const iso_shading *shading, const iso_strip *strip, iso_image *
     return atomic_load_explicit(&b.covered, memory_order_relaxed);
 }
 
+void iso_average_samples(const iso_shading *shading, const iso_shaded_samples *shaded, iso_image *image) {
+    const int factor = shaded->factor;
+    const iso_gbuffer size = {.width = image->width * factor, .height = shaded->rows * factor};
+    const iso_strip strip = {.gbuffer = &size, .factor = factor, .y0 = shaded->y0};
+    const iso_shade_params params = make_params(shading, &strip, image);
+    ISO_KERNEL_UNIT(iso_average_rows, iso_cpu_best())(&params, shaded->samples);
+}
+
 /* Shades a vector (of the generic level) of equal samples, so that the model is implemented only once. */
 /* open: the shares of the light, ambient and key, that reach the sample; NULL: all of it. */
 static void shade_sample(const float normal[3], const float to_eye[3], iso_rgb color, const float *open,

@@ -49,4 +49,14 @@ void iso_shade_occluded(const float normal[3], const float to_eye[3], iso_rgb co
  * picture is cut into strips. */
 size_t iso_shade(const iso_shading *shading, const iso_strip *strip, iso_image *image, iso_pool *pool);
 
+/* Samples that are shaded already: RGBA, opaque where they show a surface, else 0. */
+typedef struct iso_shaded_samples {
+    const int32_t *samples; /* (image's width * factor) x (rows * factor) */
+    int factor;             /* 2 .. ISO_FACTOR_MAX */
+    int y0, rows;           /* the rows of the image that they are for */
+} iso_shaded_samples;
+
+/* Writes their means into the rows of the image, as iso_shade makes them; in the calling thread. */
+void iso_average_samples(const iso_shading *shading, const iso_shaded_samples *shaded, iso_image *image);
+
 #endif

@@ -261,3 +261,76 @@ size_t ISO_KERNEL_NAME(iso_shade_rows)(const iso_shade_params *params, int first
     }
     return total;
 }
+
+/* ---- the means of samples that are shaded already */
+
+/* Sums of the samples of columns, or of pixels, in 16 bits each: red and blue, green and alpha. */
+typedef struct packed_sums {
+    int32_t red_blue[TILE + ISO_LANES_MAX], green_alpha[TILE + ISO_LANES_MAX];
+} packed_sums;
+
+/* Sums the `factor` rows of `count` columns; `stride`: of the samples' rows. */
+static void sum_shaded(const int32_t *samples, size_t stride, int factor, int count, packed_sums *columns) {
+    const vi bytes = v_seti(0x00ff00ff);
+    int at = 0;
+    for (; at + ISO_LANES <= count; at += ISO_LANES) {
+        vi red_blue = v_seti(0), green_alpha = v_seti(0);
+        for (int j = 0; j < factor; j++) {
+            const vi sample = v_loadi(samples + (size_t)j * stride + (size_t)at);
+            red_blue += sample & bytes;
+            green_alpha += sample >> 8 & bytes;
+        }
+        v_storei(columns->red_blue + at, red_blue);
+        v_storei(columns->green_alpha + at, green_alpha);
+    }
+    for (; at < count; at++) {
+        columns->red_blue[at] = columns->green_alpha[at] = 0;
+        for (int j = 0; j < factor; j++) {
+            const int32_t sample = samples[(size_t)j * stride + (size_t)at];
+            columns->red_blue[at] += sample & 0x00ff00ff;
+            columns->green_alpha[at] += sample >> 8 & 0x00ff00ff;
+        }
+    }
+}
+
+/* Sums the `factor` columns of each pixel, in place; the pixels up to a whole vector get 0. */
+ISO_INLINE void add_packed(packed_sums *sums, int factor, int pixels) {
+    for (int x = 0; x < pixels; x++) {
+        int32_t red_blue = 0, green_alpha = 0;
+        for (int i = x * factor; i < (x + 1) * factor; i++) {
+            red_blue += sums->red_blue[i];
+            green_alpha += sums->green_alpha[i];
+        }
+        sums->red_blue[x] = red_blue;
+        sums->green_alpha[x] = green_alpha;
+    }
+    memset(sums->red_blue + pixels, 0, ISO_LANES * sizeof *sums->red_blue);
+    memset(sums->green_alpha + pixels, 0, ISO_LANES * sizeof *sums->green_alpha);
+}
+
+void ISO_KERNEL_NAME(iso_average_rows)(const iso_shade_params *params, const int32_t *samples) {
+    const iso_strip *strip = params->strip;
+    const int factor = strip->factor, width = strip->gbuffer->width / factor,
+              rows = strip->gbuffer->height / factor, tile = TILE / factor;
+    const size_t stride = (size_t)strip->gbuffer->width;
+    packed_sums packed;
+    float sums[SUMS][TILE + ISO_LANES_MAX];
+    for (int y = 0; y < rows; y++, samples += stride * (size_t)factor)
+        for (int x = 0; x < width; x += tile) {
+            const int pixels = width - x < tile ? width - x : tile;
+            sum_shaded(samples + x * factor, stride, factor, pixels * factor, &packed);
+            if (factor == 2)
+                add_packed(&packed, 2, pixels); /* as vectors */
+            else
+                add_packed(&packed, factor, pixels);
+            for (int i = 0; i < pixels; i += ISO_LANES) {
+                const vi red_blue = v_loadi(packed.red_blue + i),
+                         green_alpha = v_loadi(packed.green_alpha + i);
+                v_store(sums[0] + i, v_to_float(red_blue & 0xffff));
+                v_store(sums[1] + i, v_to_float(green_alpha & 0xffff));
+                v_store(sums[2] + i, v_to_float(red_blue >> 16));
+                v_store(sums[3] + i, v_to_float(((green_alpha >> 16) + 255) >> 8)); /* each is 255 */
+            }
+            resolve_pixels(params, sums, pixels, params->rgba + ((size_t)y * (size_t)width + (size_t)x) * 4);
+        }
+}

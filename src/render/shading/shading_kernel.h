@@ -25,4 +25,9 @@ typedef struct iso_shade_params {
 typedef size_t iso_shade_rows_fn(const iso_shade_params *params, int first, int last);
 ISO_KERNEL_UNITS(iso_shade_rows_fn, iso_shade_rows);
 
+/* Averages shaded samples (iso_shaded_samples.samples, of the rows of `params->strip`) into the rows of
+ * pixels of `params`. */
+typedef void iso_average_rows_fn(const iso_shade_params *params, const int32_t *samples);
+ISO_KERNEL_UNITS(iso_average_rows_fn, iso_average_rows);
+
 #endif

@@ -83,6 +83,7 @@ static void fetch_block(const iso_shapes *set, const iso_shapes_block *block) {
     for (int a = 0; a < 3; a++) fetch(positions[a] + first, count * sizeof **positions);
     fetch(set->id_low + first, count * sizeof *set->id_low);
     if (set->id_high) fetch(set->id_high + first, count);
+    if (set->size) fetch(set->size + first, count);
 }
 
 /* Fetches what a fetched block refers to. */
@@ -90,7 +91,8 @@ static void fetch_shapes(const iso_shapes *set, const iso_shapes_block *block) {
     const size_t end = (size_t)block->first + block->count;
     for (size_t i = block->first; i < end && iso_shapes_are_lines(set); i++)
         fetch(set->vertices[set->runs.first[i]], (set->runs.length[i] + 1u) * sizeof *set->vertices);
-    for (size_t i = block->first; i < end && set->kind == ISO_SHAPE_SPHERE && set->radii; i++)
+    const bool apart = set->kind == ISO_SHAPE_SPHERE && set->radii && !set->size;
+    for (size_t i = block->first; i < end && apart; i++)
         __builtin_prefetch(&set->radii[iso_shapes_id(set, i)]);
 }
 

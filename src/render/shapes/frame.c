@@ -136,25 +136,36 @@ enum { DIGIT_BITS = 11, DIGITS = 3 };
 
 /* A stable radix sort by the nearest depth: of equal depths, the block with the lower number stays first, in
  * every strip of a picture. */
-static void sort_digit(const iso_shapes_seen *from, iso_shapes_seen *to, size_t count, int shift) {
+typedef struct place {
+    uint32_t key, index;
+} place;
+
+static void sort_digit(const place *from, place *to, size_t count, int shift) {
     size_t ends[(1 << DIGIT_BITS) + 1] = {0};
     const uint32_t mask = (1 << DIGIT_BITS) - 1;
-    for (size_t i = 0; i < count; i++) ends[1 + (sort_key(from[i].nearest) >> shift & mask)]++;
+    for (size_t i = 0; i < count; i++) ends[1 + (from[i].key >> shift & mask)]++;
     for (uint32_t d = 0; d < mask; d++) ends[d + 1] += ends[d];
-    for (size_t i = 0; i < count; i++) to[ends[sort_key(from[i].nearest) >> shift & mask]++] = from[i];
+    for (size_t i = 0; i < count; i++) to[ends[from[i].key >> shift & mask]++] = from[i];
 }
 
 static iso_status sort_seen(iso_shapes_frame *frame, iso_error *error) {
-    iso_shapes_seen *other = iso_alloc(frame->seen_count * sizeof *other);
-    if (!other) return iso_fail_memory(error, "shapes");
-    for (int digit = 0; digit < DIGITS; digit++) {
-        sort_digit(frame->seen, other, frame->seen_count, digit * DIGIT_BITS);
-        iso_shapes_seen *sorted = other;
-        other = frame->seen;
-        frame->seen = sorted;
+    const size_t count = frame->seen_count;
+    iso_shapes_seen *sorted = iso_alloc(count * sizeof *sorted);
+    place *places = iso_alloc(2 * count * sizeof *places), *from = places, *to = places + count;
+    const bool ready = sorted && places;
+    for (size_t i = 0; i < count && ready; i++)
+        from[i] = (place){sort_key(frame->seen[i].nearest), (uint32_t)i};
+    for (int digit = 0; digit < DIGITS && ready; digit++) {
+        sort_digit(from, to, count, digit * DIGIT_BITS);
+        place *other = from;
+        from = to;
+        to = other;
     }
-    iso_free(other);
-    return ISO_OK;
+    for (size_t i = 0; i < count && ready; i++) sorted[i] = frame->seen[from[i].index];
+    iso_free(places);
+    iso_free(ready ? frame->seen : sorted);
+    if (ready) frame->seen = sorted;
+    return ready ? ISO_OK : iso_fail_memory(error, "shapes");
 }
 
 /* ---- bins */

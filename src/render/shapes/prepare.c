@@ -88,6 +88,7 @@ void iso_shapes_destroy(iso_shapes *shapes) {
     if (!shapes) return;
     iso_free(shapes->blocks);
     iso_free(shapes->x);
+    iso_free(shapes->sizes);
     iso_free(shapes->vertices);
     iso_free(shapes->across);
     iso_free(shapes->runs.first);

@@ -74,13 +74,58 @@ static void set_id(iso_shapes *shapes, size_t place, uint32_t id) {
         shapes->id_high_wide[place] = (uint16_t)(id >> 16);
 }
 
+/* The numbers of radii: a hash table of their bits. */
+enum { SIZE_SLOTS = 4 * ISO_SHAPES_SIZES, SIZE_SHIFT = 32 - 10 };
+typedef struct size_table {
+    int count;
+    uint16_t number[SIZE_SLOTS]; /* of the radius, from 1; 0: the slot is free */
+    uint32_t bits[SIZE_SLOTS];
+} size_table;
+
+/* Returns the number of a radius, which may be a new one; -1 when there are too many. */
+static int number_size(size_table *table, float radius, float *sizes) {
+    uint32_t bits;
+    memcpy(&bits, &radius, sizeof bits);
+    uint32_t slot = bits * 2654435769u >> SIZE_SHIFT;
+    while (table->number[slot] && table->bits[slot] != bits) slot = (slot + 1) % SIZE_SLOTS;
+    if (table->number[slot]) return table->number[slot] - 1;
+    if (table->count == ISO_SHAPES_SIZES) return -1;
+    table->bits[slot] = bits;
+    sizes[table->count] = radius;
+    table->number[slot] = (uint16_t)++table->count;
+    return table->count - 1;
+}
+
+/* Sets the numbers of the spheres' radii, if they have few. */
+static iso_status number_sizes(iso_shapes *shapes, iso_error *error) {
+    if (shapes->kind != ISO_SHAPE_SPHERE || !shapes->radii) return ISO_OK;
+    size_table table = {0};
+    const size_t bytes = ISO_SHAPES_SIZES * sizeof *shapes->sizes + shapes->count + SLACK;
+    int number = 0;
+    shapes->sizes = iso_alloc_zero(1, bytes);
+    if (!shapes->sizes) return iso_fail_memory(error, "shapes");
+    shapes->size = (uint8_t *)(shapes->sizes + ISO_SHAPES_SIZES);
+    for (size_t i = 0; i < shapes->count && number >= 0; i++) {
+        number = number_size(&table, iso_shapes_radius(shapes, iso_shapes_id(shapes, i)), shapes->sizes);
+        shapes->size[i] = (uint8_t)number;
+    }
+    if (number >= 0) {
+        shapes->bytes += bytes;
+        return ISO_OK;
+    }
+    iso_free(shapes->sizes);
+    shapes->sizes = NULL;
+    shapes->size = NULL;
+    return ISO_OK;
+}
+
 static iso_status store(iso_shapes *shapes, const iso_glyphs *glyphs, const iso_shapes_sort *sort,
                         iso_error *error) {
     ISO_TRY(iso_shapes_make_blocks(shapes, sort, (uint32_t)shapes->count, error));
     ISO_TRY(reserve(shapes, glyphs->count > (size_t)1 << 24, error));
     for (size_t i = 0; i < shapes->count; i++) set_id(shapes, i, sort->order[i]);
     for (size_t i = 0; i < shapes->block_count; i++) fill_block(shapes, glyphs, &shapes->blocks[i]);
-    return ISO_OK;
+    return number_sizes(shapes, error);
 }
 
 static iso_status sort_glyphs(iso_shapes *shapes, const iso_glyphs *glyphs, iso_shapes_sort *sort,

@@ -16,7 +16,8 @@ typedef struct iso_shapes_block {
 
 enum {
     ISO_SHAPES_BLOCK = 256, /* the most glyphs or segments of a block */
-    ISO_SHAPES_RUN = 8      /* the most segments of a run */
+    ISO_SHAPES_RUN = 8,     /* the most segments of a run */
+    ISO_SHAPES_SIZES = 256  /* the most radii that are numbered */
 };
 
 typedef enum iso_shape_kind {
@@ -51,6 +52,10 @@ struct iso_shapes {
     uint16_t *id_low;
     uint8_t *id_high;       /* of sets with numbers below 2^24; else NULL */
     uint16_t *id_high_wide; /* of other sets; else NULL */
+    /* Spheres of few radii, as atoms, have by place the number of theirs in `sizes`, which are scaled (one
+     * allocation, which begins with sizes). NULL: other sets. */
+    float *sizes;
+    uint8_t *size;
     /* Lines: x, y, z and radius of each vertex, and the runs in the order of blocks (one allocation). */
     float (*vertices)[4];
     uint16_t (*across)[3]; /* of ribbons: vectors from the line to an edge (iso_shapes_across) */

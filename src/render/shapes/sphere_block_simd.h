@@ -86,7 +86,9 @@ static void add_sphere_apart(iso_shapes_bin *bin, const iso_shapes_block *block,
     add_spheres(bin, &o, v_from_mask(1), zero, v_set(radius), v_seti((int32_t)id));
 }
 
-ISO_INLINE vf radii_of(const iso_shapes *set, vi id) {
+/* The radii of the spheres from place `at` on, whose numbers are `id`. */
+ISO_INLINE vf radii_of(const iso_shapes *set, uint32_t at, vi id) {
+    if (set->size) return v_gather(set->sizes, v_load_u8(set->size + at));
     if (!set->radii) return v_set(iso_shapes_radius(set, 0));
     return v_gather(set->radii, id) * (float)set->scale;
 }
@@ -103,7 +105,7 @@ ISO_INLINE void add_spheres_of(iso_shapes_bin *bin, const iso_shapes_block *bloc
         vf offset[3];
         for (int a = 0; a < 3; a++) offset[a] = m[3 * a] * x + m[3 * a + 1] * y + m[3 * a + 2] * z;
         const vm wanted = v_from_mask(left < ISO_LANES ? (1u << left) - 1 : (uint32_t)-1);
-        add_spheres(bin, o, wanted, offset, radii_of(set, id), id);
+        add_spheres(bin, o, wanted, offset, radii_of(set, at, id), id);
     }
 }
 

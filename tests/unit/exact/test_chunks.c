@@ -33,7 +33,7 @@ typedef struct subject {
 static iso_image paint_whole(const subject *s, size_t *covered) {
     iso_image image = {0};
     iso_exact *exact = make_exact(s->grid, s->isovalue, s->pool);
-    const iso_exact_picture picture = {s->view, &s->shading, &image, s->pool, NULL};
+    const iso_exact_picture picture = {s->view, &s->shading, &image, s->pool, NULL, 1};
     assert_int_equal(iso_image_create(s->view->width, s->view->height, &image, NULL), ISO_OK);
     assert_int_equal(iso_paint_exact(&picture, exact, covered, NULL), ISO_OK);
     iso_exact_destroy(exact);

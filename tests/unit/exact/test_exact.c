@@ -341,26 +341,28 @@ static void ties_do_not_depend_on_vectors_or_bands(void **state) {
     iso_pool_destroy(pool);
 }
 
-/* A picture without a gbuffer, of every path, level and number of threads. */
-static void same_when_painted(const iso_grid *grid, double isovalue, const iso_view *view,
+/* A picture without a gbuffer, of every path, level and number of threads; factor: samples along a pixel's
+ * side, of which the view has whole pixels. */
+static void same_when_painted(const iso_grid *grid, double isovalue, const iso_view *view, int factor,
                               const iso_shading *shading, iso_pool *pool) {
     iso_image wanted, got;
     iso_error error = {0};
     size_t covered = 0;
-    test_ok(iso_image_create(view->width, view->height, &wanted, &error), &error);
-    test_ok(iso_image_create(view->width, view->height, &got, &error), &error);
+    const int width = view->width / factor, height = view->height / factor;
+    test_ok(iso_image_create(width, height, &wanted, &error), &error);
+    test_ok(iso_image_create(width, height, &got, &error), &error);
     iso_gbuffer gbuffer = empty_picture(view);
     iso_exact *exact = make_exact(grid, isovalue, NULL);
     const iso_target target = {.view = view, .gbuffer = &gbuffer};
     test_ok(iso_draw_exact(&target, exact, &error), &error);
-    const iso_strip strip = {.view = view, .gbuffer = &gbuffer, .factor = 1};
+    const iso_strip strip = {.view = view, .gbuffer = &gbuffer, .factor = factor};
     iso_shade(shading, &strip, &wanted, NULL);
-    const size_t bytes = (size_t)view->width * (size_t)view->height * 4;
+    const size_t bytes = (size_t)width * (size_t)height * 4;
     for (int level = 0; level <= (int)iso_cpu_supported(); level++)
         for (int threads = 0; threads < 2; threads++) {
             iso_cpu_limit(level);
             memset(got.rgba, 0x5a, bytes);
-            const iso_exact_picture canvas = {view, shading, &got, threads ? pool : NULL, NULL};
+            const iso_exact_picture canvas = {view, shading, &got, threads ? pool : NULL, NULL, factor};
             test_ok(iso_paint_exact(&canvas, exact, &covered, &error), &error);
             assert_memory_equal(got.rgba, wanted.rgba, bytes);
             assert_int_equal(covered, test_covered(&gbuffer));
@@ -387,8 +389,12 @@ static void painted_pictures_are_shaded_gbuffers(void **state) {
         iso_view view = make_view(&grid, round % TEST_VIEWS, round % 2 ? 417 : 40, &random);
         view.width += round % 5;
         const iso_shading shading = {colors, 2, {9, 8, 7}, round % 2, {0, 0, 0}};
-        same_when_painted(&grid, grid.rgrid ? 100 : 0, &view, &shading, pool);
-        same_when_painted(&grid, 1e9, &view, &shading, pool); /* nothing is there */
+        const double isovalue = grid.rgrid ? 100 : 0;
+        same_when_painted(&grid, isovalue, &view, 1, &shading, pool);
+        same_when_painted(&grid, 1e9, &view, 1, &shading, pool); /* nothing is there */
+        const int factor = 2 + round % (ISO_FACTOR_MAX - 1);
+        iso_view samples = iso_view_scaled(&view, factor);
+        same_when_painted(&grid, isovalue, &samples, factor, &shading, pool);
         iso_grid_destroy(&grid);
     }
     iso_pool_destroy(pool);

@@ -2,6 +2,7 @@
  * picture and at all distances; and the same bytes for every instruction set, number of threads and strip. */
 #include "base/memory.h"
 #include "check_support.h"
+#include "render/shapes/set.h"
 #include "scene_support.h"
 #include "shapes_support.h"
 
@@ -154,6 +155,32 @@ static void test_memory(void **state) {
     if (totals.bytes > fixed + 16 * totals.shapes)
         fail_msg("%zu bytes of %zu glyphs", totals.bytes, totals.shapes);
     iso_shapes_destroy(shapes);
+}
+
+/* Spheres of few radii are drawn like those of many, which a far one of each of many radii makes of them. */
+static void test_few_radii(void **state) {
+    (void)state;
+    const iso_vec3 zero = {0};
+    iso_error error = {0};
+    iso_gbuffer pictures[2];
+    iso_view view = test_shapes_view(zero, iso_vec3_make(60, 35, -80), 24, 0);
+    cloud_start(&scene, zero);
+    for (int i = 0; i < 2000; i++) {
+        add_random(&scene, 1, 10, 1, 1, (uint32_t)i + 1);
+        scene.radii[i] = 0.1f * (float)(1 + i % 7);
+    }
+    for (int k = 0; k < 2; k++) {
+        iso_shapes *shapes;
+        test_ok(iso_shapes_from_glyphs(&scene.glyphs, &SPHERES, &shapes, &error), &error);
+        assert_true((shapes->size != NULL) == (k == 0));
+        pictures[k] = test_clear_gbuffer(view.width, view.height, false);
+        const iso_target target = {.view = &view, .gbuffer = &pictures[k]};
+        test_ok(iso_draw_shapes(&target, shapes, NULL, &error), &error);
+        iso_shapes_destroy(shapes);
+        for (int i = 0; i < 300; i++) add(&scene, 1e5, 1e5, 1e5, 1 + 0.01 * i);
+    }
+    test_same_rows(&pictures[0], 0, &pictures[1]);
+    for (int k = 0; k < 2; k++) iso_gbuffer_free(&pictures[k]);
 }
 
 static void test_same_bytes(void **state) {
@@ -314,11 +341,12 @@ static void test_bounds_along(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spheres),         cmocka_unit_test(test_far_spheres),
-        cmocka_unit_test(test_near_spheres),    cmocka_unit_test(test_same_bytes),
-        cmocka_unit_test(test_layers),          cmocka_unit_test(test_many_large),
-        cmocka_unit_test(test_bad_glyphs),      cmocka_unit_test(test_bounds_along),
-        cmocka_unit_test(test_negative_depths), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_spheres),      cmocka_unit_test(test_far_spheres),
+        cmocka_unit_test(test_near_spheres), cmocka_unit_test(test_same_bytes),
+        cmocka_unit_test(test_few_radii),    cmocka_unit_test(test_layers),
+        cmocka_unit_test(test_many_large),   cmocka_unit_test(test_bad_glyphs),
+        cmocka_unit_test(test_bounds_along), cmocka_unit_test(test_negative_depths),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
