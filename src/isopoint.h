@@ -1,6 +1,6 @@
 /* isopoint.h: isosurfaces of volumes, rendered and sculpted with points. The whole interface of libisopoint:
- * chapters of it are in isopoint_clouds.h, isopoint_figures.h, isopoint_lines.h, isopoint_parts.h and
- * isopoint_sculpt.h, which this file includes.
+ * chapters of it are in isopoint_clouds.h, isopoint_figures.h, isopoint_lines.h, isopoint_meshes.h,
+ * isopoint_parts.h and isopoint_sculpt.h, which this file includes.
  *
  * Overview:
  *
@@ -789,6 +789,7 @@ ISO_API iso_status iso_compare_images(const iso_image *truth, const iso_image *c
 #include "isopoint_clouds.h"  /* points without a volume */
 #include "isopoint_figures.h" /* what stands over pictures, as pixels, SVG and PDF */
 #include "isopoint_lines.h"   /* lines of meshes of thin branches */
+#include "isopoint_meshes.h"  /* smoother, simpler and hollow meshes */
 #include "isopoint_parts.h"   /* pictures in parts */
 #include "isopoint_sculpt.h"  /* sculpting */
 

@@ -130,7 +130,6 @@ iso_status isorender_annotations_check(const isorender_settings *settings, iso_e
     const char *option = settings->has_inset    ? "--inset"
                          : settings->note_count ? "--text, --arrow and --ruler"
                          : settings->legend     ? "--legend"
-                         : settings->color_bar  ? "--color-bar"
                                                 : NULL;
     if (option && settings->parts)
         return iso_fail(error, ISO_ERR_USAGE, "%s cannot be combined with --part", option);
@@ -316,7 +315,7 @@ iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *c
     iso_image enlarged = {0};
     iso_inset inset = place_inset(settings);
     inset.picture = &enlarged;
-    const int bar_count = settings->color_bar && last ? isorender_color_bars(job, bars) : 0;
+    int bar_count = 0;
     legend *own = settings->panel ? NULL : calloc(1, sizeof *own), *l = own ? own
                                                                         : settings->panel
                                                                             ? settings->panel->names
@@ -325,9 +324,7 @@ iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *c
     if (settings->legend) add_to_legend(job, l);
     iso_status status =
         settings->legend_names && last ? rename_entries(settings->legend_names, l, error) : ISO_OK;
-    if (status == ISO_OK && settings->bar_titles && last)
-        status = take_names(settings->bar_titles, "--color-bar", "bar(s)", bar_count, bars[0].title,
-                            sizeof bars[0], sizeof bars[0].title, error);
+    if (status == ISO_OK && last) status = isorender_titled_bars(job, bars, &bar_count, error);
     if (status == ISO_OK && settings->has_inset) status = make_inset(job, frame, enlarge, &inset, error);
     if (status == ISO_OK && frame == 0) tell_outside(job, camera);
     iso_annotation annotation = {.camera = camera,
@@ -356,6 +353,15 @@ iso_status isorender_annotate(isorender_job *job, int frame, const iso_camera *c
     free(own);
     iso_image_free(&enlarged);
     return status;
+}
+
+iso_status isorender_titled_bars(const isorender_job *job, iso_color_bar bars[ISORENDER_BARS], int *count,
+                                 iso_error *error) {
+    const isorender_settings *settings = job->settings;
+    *count = settings->color_bar ? isorender_color_bars(job, bars) : 0;
+    if (!settings->bar_titles) return ISO_OK;
+    return take_names(settings->bar_titles, "--color-bar", "bar(s)", *count, bars[0].title, sizeof bars[0],
+                      sizeof bars[0].title, error);
 }
 
 int isorender_color_bars(const isorender_job *job, iso_color_bar bars[ISORENDER_BARS]) {

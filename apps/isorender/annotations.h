@@ -34,6 +34,10 @@ typedef struct isorender_legend_list {
  * surfaces in this order, up to ISORENDER_BARS. Returns their number. */
 enum { ISORENDER_BARS = ISORENDER_OBJECTS + 1 + ISORENDER_COLORINGS + 1 };
 int isorender_color_bars(const struct isorender_job *job, iso_color_bar bars[ISORENDER_BARS]);
+/* The bars that are drawn, with the titles that --color-bar gives them. ISO_ERR_USAGE: it names another
+ * number of them. */
+iso_status isorender_titled_bars(const struct isorender_job *job, iso_color_bar bars[ISORENDER_BARS],
+                                 int *count, iso_error *error);
 
 /* Draws rows rows[0] .. rows[1] - 1 of the picture of `factor` times as many pixels on each side, without
  * annotations, into `image`, which is created. */

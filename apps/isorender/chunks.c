@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/isorender/annotations.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/labels.h"
@@ -497,6 +498,20 @@ static void describe_surface(const isorender_job *job, iso_key_surface *surface)
     surface->bounds = job->surfaces[0].bounds;
 }
 
+/* The bar of what slices show: the parts have no other. */
+static iso_status describe_bar(const isorender_job *job, iso_key_style *style, iso_error *error) {
+    iso_color_bar bars[ISORENDER_BARS];
+    int count;
+    ISO_TRY(isorender_titled_bars(job, bars, &count, error));
+    if (!count) return ISO_OK;
+    style->color_bar = 1;
+    style->colormap = (int32_t)bars[0].map;
+    style->bar_low = bars[0].low;
+    style->bar_high = bars[0].high;
+    memcpy(style->bar_title, bars[0].title, strlen(bars[0].title));
+    return ISO_OK;
+}
+
 static void describe_style(const isorender_job *job, iso_key_style *style) {
     const isorender_settings *settings = job->settings;
     const iso_rgb color = job->surfaces[0].color, background = settings->background;
@@ -517,6 +532,7 @@ static void describe_style(const isorender_job *job, iso_key_style *style) {
     style->world_unit = (int32_t)isorender_unit(job);
     style->caps = isorender_has_caps(settings);
     style->orientation_marker = settings->orientation_marker != 0;
+    style->font_size = isorender_font_pixels(settings);
     style->anatomical = job->loader.volume.info.anatomical != 0;
     memcpy(style->background, (const uint8_t[4]){background.r, background.g, background.b}, 4);
     memcpy(style->color, (const uint8_t[4]){color.r, color.g, color.b}, 4);
@@ -525,6 +541,7 @@ static void describe_style(const isorender_job *job, iso_key_style *style) {
 iso_status isorender_chunks_write_part(isorender_job *job, iso_error *error) {
     isorender_labels labels;
     iso_key_file file = {.part = job->settings->part, .parts = job->settings->parts};
+    ISO_TRY(describe_bar(job, &file.style, error));
     ISO_TRY(isorender_labels_make(job, &labels, error));
     describe_surface(job, &file.surface);
     describe_style(job, &file.style);

@@ -11,6 +11,7 @@ enum { ISOSCULPT_REFERENCE_NOTES = 8, ISOSCULPT_REFERENCE_NOTE = 1024 };
 /* The settings are borrowed: references, space, close_holes, threads and input.max_memory count. */
 typedef struct isosculpt_reference_files {
     const isosculpt_settings *settings;
+    bool labels;  /* without files: the other labels (reference_job.h) */
     double voxel; /* mm; of surfaces that are read from meshes */
     iso_box box;  /* box of the sculpture; a note is written about files that lie beside it */
     const iso_progress *progress;

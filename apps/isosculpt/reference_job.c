@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/isosculpt/other_labels.h"
+
 struct isosculpt_reference_job {
     isosculpt_task *task;
     iso_journal_start start; /* a copy: the document goes on changing */
@@ -28,7 +30,11 @@ static iso_status make_first_field(isosculpt_reference_job *job, const iso_progr
 /* isosculpt_task_fn */
 static iso_status run_job(void *context, const iso_progress *progress, iso_error *error) {
     isosculpt_reference_job *job = context;
-    if (!job->files.settings->references.count) return make_first_field(job, progress, error);
+    const isosculpt_settings *settings = job->files.settings;
+    if (!settings->references.count && job->files.labels)
+        return isosculpt_other_labels_make(&job->start, job->journal, settings->common.input.max_memory,
+                                           settings->common.threads, progress, &job->reference, error);
+    if (!settings->references.count) return make_first_field(job, progress, error);
     job->files.progress = progress;
     return isosculpt_reference_read(&job->files, &job->reference, error);
 }

@@ -29,6 +29,7 @@ static void load_row(const label_block *b, const int at[3], int n, uint16_t *row
                (size_t)(end - first) * sizeof *row);
     for (int x = 0; f->has_undrawn && x < n; x++)
         if (!f->group[row[x]]) row[x] = 0;
+    if (found->count == 3) return;
     uint64_t known = 0;
     for (int i = 0; i < found->count; i++) known |= kernel->equal(row, n, (uint16_t)found->label[i]);
     for (int x = 0; x < n && found->count < 3 && known != ~UINT64_C(0) >> (64 - n);
@@ -89,17 +90,20 @@ static void widen_near(const label_block *b, near_label *near) {
     }
 }
 
-/* Lists the labels within NEAR voxels of the block. */
+/* Lists the labels within NEAR voxels of the block, and sets `groups`. */
 static void list_near(label_block *b) {
     block_memory *s = b->s;
+    const uint8_t *group = b->all->fields->group;
     s->near_count = 0;
     s->kept_count = 0;
     for (int z = 0; z < b->size[2]; z++)
         for (int y = 0; y < b->size[1]; y++) {
             const uint16_t *row = window_row(b, y, z);
+            uint16_t *to = s->groups + index_in(b->size, 0, y, z);
             for (int x = 0, end; x < b->size[0]; x = end) {
                 end = iso_label_run_end(row, x, b->size[0]);
                 add_near(s, row[x], x, end, y, z);
+                iso_label_fill(to, x, end, group[row[x]]);
             }
         }
     for (int i = 0; i < s->near_count; i++) {
@@ -139,20 +143,6 @@ static void spread(const label_block *b, const uint64_t *from, int below, int ab
         }
 }
 
-/* Sets `groups`. */
-static void find_groups(const label_block *b) {
-    const uint8_t *group = b->all->fields->group;
-    for (int z = 0; z < b->size[2]; z++)
-        for (int y = 0; y < b->size[1]; y++) {
-            const uint16_t *row = window_row(b, y, z);
-            uint16_t *to = b->s->groups + index_in(b->size, 0, y, z);
-            for (int x = 0, end; x < b->size[0]; x = end) {
-                end = iso_label_run_end(row, x, b->size[0]);
-                iso_label_fill(to, x, end, group[row[x]]);
-            }
-        }
-}
-
 /* Sets `cells` to the cells whose corners have several groups, or several labels if these are drawn inside of
  * solids, too. */
 static void find_mixed_cells(const label_block *b) {
@@ -185,7 +175,6 @@ static void find_mixed_cells(const label_block *b) {
 static void find_needed(const label_block *b) {
     block_memory *s = b->s;
     const bool whole = b->all->fields->places & ISO_LABELS_BAND;
-    find_groups(b);
     find_mixed_cells(b);
     memcpy(s->edges[0], s->cells, (size_t)b->size[1] * (size_t)b->size[2] * sizeof *s->cells);
     spread(b, s->edges[0], 1, 1, s->edges[1], s->cells);

@@ -27,8 +27,7 @@ enum {
     BRICKS = 8, /* of a block */
     /* of the fields and distances of a block's labels, for where things are thin */
     KEPT = 16 * FIELD_VOXELS + 8 * DISTANCE_VOXELS,
-    NEIGHBOURS = 27, /* a voxel and those around it */
-    FAR = ISO_LABEL_FAR_SQUARE
+    NEIGHBOURS = 27 /* a voxel and those around it */
 };
 /* The voxels lo .. hi - 1, counted from the first voxel of a block's fields. */
 typedef struct extent {
@@ -47,7 +46,8 @@ typedef struct near_label {
 /* Working memory of a worker. */
 typedef struct block_memory {
     uint16_t *window; /* labels; those that are not drawn are 0 */
-    uint8_t *mask, *work8, *to_inside, *to_outside;
+    uint8_t *mask;
+    int8_t *work8, *squares;
     float *distance, *work, *field, *narrowed;
     float *kept; /* fields and distances of labels */
     size_t kept_count;

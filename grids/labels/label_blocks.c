@@ -119,8 +119,8 @@ static void find_distances(const label_block *b, const region *r, const iso_labe
     block_memory *s = b->s;
     const iso_smooth_kernel *kernel = b->all->kernel;
     make_mask(b, r, box);
-    kernel->squares(s->mask, box, s->work8, s->to_inside, s->to_outside);
-    kernel->signed_distance(s->to_outside, s->to_inside, box, distances);
+    kernel->squares(s->mask, box, s->work8, s->squares);
+    kernel->signed_distance(s->squares, box, distances);
 }
 
 /* Blends in the narrow filter. */
@@ -279,7 +279,8 @@ static bool find_thin(const label_block *b) {
                                 ? 0
                                 : s->needed[row] & kernel->thin(s->own + i, s->other + i, s->loss + i,
                                                                 b->size[0], THIN_CHANGE, THIN_LOSS);
-            if (thin && !any) memset(s->mask, FAR, (size_t)padded[0] * (size_t)padded[1] * (size_t)padded[2]);
+            if (thin && !any)
+                memset(s->mask, UINT8_MAX, (size_t)padded[0] * (size_t)padded[1] * (size_t)padded[2]);
             any |= thin != 0;
             for (; thin; thin &= thin - 1) s->mask[index_in(padded, first_of(thin) + R, y + R, z + R)] = 0;
         }
@@ -287,7 +288,7 @@ static bool find_thin(const label_block *b) {
     const region r = {
         .set = s->drawn, .everywhere = true, .box = {{0, 0, 0}, {b->size[0], b->size[1], b->size[2]}}};
     const iso_label_box box = box_of(b, &r, 0, 0);
-    kernel->squares(s->mask, &box, s->work8, s->to_inside, s->to_outside);
+    kernel->squares(s->mask, &box, s->work8, s->squares);
     any = false;
     for (int z = 0; z < b->size[2]; z++)
         for (int y = 0; y < b->size[1]; y++) {
@@ -295,7 +296,7 @@ static bool find_thin(const label_block *b) {
             s->blended[row] = 0;
             for (uint64_t set = s->drawn[row]; set; set &= set - 1) {
                 const size_t i = index_in(b->size, first_of(set), y, z);
-                const int square = s->to_inside[i];
+                const int square = s->squares[i] < 0 ? ~s->squares[i] : 0;
                 const float w = square < NEAR * NEAR ? (NEAR - sqrtf((float)square)) / (NEAR - 1) : 0;
                 s->weight[i] = w > 1 ? 1 : w;
                 if (w > 0) s->blended[row] |= set & -set;
@@ -543,9 +544,8 @@ static iso_status make_scratch(block_memory *s, const iso_label_fields *f, iso_e
     const size_t count = (size_t)f->labels->count, rows = WINDOW_ROWS + 2 * ISO_LABEL_GUARD + ISO_LABEL_SLACK;
     s->window = iso_alloc((WINDOW_VOXELS + ISO_LABEL_SLACK) * sizeof *s->window);
     s->mask = iso_alloc(WINDOW_VOXELS + ISO_LABEL_SLACK);
-    s->work8 = iso_alloc(2 * ((size_t)WINDOW_VOXELS + ISO_LABEL_SLACK));
-    s->to_inside = iso_alloc(DISTANCE_VOXELS + ISO_LABEL_SLACK);
-    s->to_outside = iso_alloc(DISTANCE_VOXELS + ISO_LABEL_SLACK);
+    s->work8 = iso_alloc(WINDOW_VOXELS + ISO_LABEL_SLACK);
+    s->squares = iso_alloc(DISTANCE_VOXELS + ISO_LABEL_SLACK);
     s->distance = alloc_floats(DISTANCE_VOXELS);
     s->work = alloc_floats(4 * ((size_t)DISTANCE_VOXELS + ISO_LABEL_SLACK));
     s->field = alloc_floats(FIELD_VOXELS);
@@ -562,9 +562,9 @@ static iso_status make_scratch(block_memory *s, const iso_label_fields *f, iso_e
     s->near = iso_alloc((count < FIELD_VOXELS ? count : FIELD_VOXELS) * sizeof *s->near);
     s->place = iso_alloc(count * sizeof *s->place);
     s->entries = iso_alloc((size_t)ISO_BRICK_VOXELS * NEIGHBOURS * sizeof *s->entries);
-    if (!s->window || !s->mask || !s->work8 || !s->to_inside || !s->to_outside || !s->distance || !s->work ||
-        !s->field || !s->narrowed || !s->loss || !s->own || !s->other || !s->weight || !s->best || !s->near ||
-        !s->place || !s->entries || !s->kept || !s->groups || !s->sets || !s->ranges)
+    if (!s->window || !s->mask || !s->work8 || !s->squares || !s->distance || !s->work || !s->field ||
+        !s->narrowed || !s->loss || !s->own || !s->other || !s->weight || !s->best || !s->near || !s->place ||
+        !s->entries || !s->kept || !s->groups || !s->sets || !s->ranges)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
     memset(s->place, -1, count * sizeof *s->place);
     uint64_t **const set[SETS] = {&s->cells,  &s->drawn,    &s->needed,   &s->blended,
@@ -580,10 +580,9 @@ static iso_status make_scratch(block_memory *s, const iso_label_fields *f, iso_e
 }
 
 static void free_scratch(block_memory *s) {
-    void *const all[] = {s->window, s->mask,  s->work8, s->to_inside, s->to_outside, s->distance,
-                         s->work,   s->field, s->own,   s->narrowed,  s->other,      s->weight,
-                         s->best,   s->near,  s->place, s->groups,    s->entries,    s->loss,
-                         s->kept,   s->sets,  s->ranges};
+    void *const all[] = {s->window, s->mask,     s->work8, s->squares, s->distance, s->work,  s->field,
+                         s->own,    s->narrowed, s->other, s->weight,  s->best,     s->near,  s->place,
+                         s->groups, s->entries,  s->loss,  s->kept,    s->sets,     s->ranges};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) iso_free(all[i]);
 }
 

@@ -55,13 +55,35 @@ static void brick_at(const iso_label_fields *f, size_t brick, int at[3]) {
     at[2] = (int)(brick / (size_t)f->bricks[0] / (size_t)f->bricks[1]);
 }
 
-static void find_own_groups(void *context, size_t brick, int worker) {
+/* Finds the groups of a row of bricks along x, run by run of its rows of voxels. */
+static void find_own_groups(void *context, size_t index, int worker) {
     (void)worker;
     iso_label_fields *f = context;
-    int at[3], lo[3], hi[3];
-    brick_at(f, brick, at);
-    for (int k = 0; k < 3; k++) lo[k] = ISO_BRICK * at[k], hi[k] = lo[k] + ISO_BRICK - 1;
-    f->own_groups[brick] = groups_in(f, lo, hi, UINT64_MAX, NULL);
+    const iso_labels *labels = f->labels;
+    uint64_t *own = f->own_groups + index * (size_t)f->bricks[0];
+    const int at[2] = {(int)(index % (size_t)f->bricks[1]), (int)(index / (size_t)f->bricks[1])};
+    int lo[2], hi[2];
+    bool outside = false; /* what is outside is background */
+    for (int k = 0; k < 2; k++) {
+        const int first = ISO_BRICK * at[k] - ISO_LABEL_BORDER, end = first + ISO_BRICK,
+                  n = labels->dims[k + 1];
+        outside |= first < 0 || end > n;
+        lo[k] = first > 0 ? first : 0;
+        hi[k] = end < n ? end : n;
+    }
+    for (int i = 0; i < f->bricks[0]; i++)
+        if (outside || i == 0 || ISO_BRICK * (i + 1) - ISO_LABEL_BORDER > labels->dims[0]) own[i] |= 1;
+    for (int z = lo[1]; z < hi[1]; z++)
+        for (int y = lo[0]; y < hi[0]; y++) {
+            const uint16_t *row =
+                labels->number + ((size_t)z * (size_t)labels->dims[1] + (size_t)y) * (size_t)labels->dims[0];
+            for (int x = 0, end; x < labels->dims[0]; x = end) {
+                end = iso_label_run_end(row, x, labels->dims[0]);
+                const int last = (end - 1 + ISO_LABEL_BORDER) / ISO_BRICK;
+                const uint64_t bit = 1ull << f->group[row[x]];
+                for (int i = (x + ISO_LABEL_BORDER) / ISO_BRICK; i <= last; i++) own[i] |= bit;
+            }
+        }
 }
 
 /* The groups of a brick and all its neighbours. */
@@ -155,7 +177,7 @@ static iso_status make_fields(iso_label_fields *f, const uint8_t *group, iso_poo
         f->has_undrawn |= f->group[i] == 0;
     }
     ISO_TRY(make_grids(f, error));
-    iso_parallel_for(pool, f->brick_count, find_own_groups, f);
+    iso_parallel_for(pool, (size_t)f->bricks[1] * (size_t)f->bricks[2], find_own_groups, f);
     iso_parallel_for(pool, f->brick_count, find_groups, f);
     ISO_TRY(make_bricks(f, error));
     return iso_label_blocks_smooth(f, pool, error);
@@ -194,12 +216,15 @@ iso_hgrid *iso_label_fields_grid(const iso_label_fields *fields, int group) {
 
 /* ---- the label of a place */
 
+/* The candidates of the brick of a voxel, or NULL. */
+static inline const iso_label_candidates *candidates_at(const iso_label_fields *f, int x, int y, int z) {
+    const size_t column = (size_t)(z / ISO_BRICK) * (size_t)f->bricks[1] + (size_t)(y / ISO_BRICK);
+    return f->candidates[column * (size_t)f->bricks[0] + (size_t)(x / ISO_BRICK)];
+}
+
 /* The field of a label at a voxel that has candidates. */
 static float value_at(const iso_label_fields *f, int label, int x, int y, int z) {
-    const size_t brick =
-        ((size_t)(z / ISO_BRICK) * (size_t)f->bricks[1] + (size_t)(y / ISO_BRICK)) * (size_t)f->bricks[0] +
-        (size_t)(x / ISO_BRICK);
-    const iso_label_candidates *c = f->candidates[brick];
+    const iso_label_candidates *c = candidates_at(f, x, y, z);
     if (!c) return -ISO_LABEL_BAND;
     const int row = z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK;
     for (uint32_t i = c->start[row]; i < c->start[row + 1]; i++)
@@ -207,26 +232,73 @@ static float value_at(const iso_label_fields *f, int label, int x, int y, int z)
     return -ISO_LABEL_BAND;
 }
 
+typedef uint16_t corners __attribute__((vector_size(8 * sizeof(uint16_t))));
+
+/* The labels at the corners of a cell, whose first one is voxel `at` of the volume. */
+static corners labels_of_corners(const iso_labels *labels, const int at[3]) {
+    const int *n = labels->dims;
+    const size_t row = (size_t)n[0], slice = row * (size_t)n[1];
+    corners found;
+    if (at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] + 1 < n[0] && at[1] + 1 < n[1] && at[2] + 1 < n[2]) {
+        const uint16_t *first = labels->number + (size_t)at[2] * slice + (size_t)at[1] * row + (size_t)at[0];
+        uint32_t pairs[4];
+        memcpy(&pairs[0], first, sizeof *pairs);
+        memcpy(&pairs[1], first + row, sizeof *pairs);
+        memcpy(&pairs[2], first + slice, sizeof *pairs);
+        memcpy(&pairs[3], first + slice + row, sizeof *pairs);
+        memcpy(&found, pairs, sizeof found);
+        return found;
+    }
+    for (int i = 0; i < 8; i++)
+        found[i] = (uint16_t)iso_labels_at(labels, at[0] + (i & 1), at[1] + (i >> 1 & 1), at[2] + (i >> 2));
+    return found;
+}
+
+/* Whether all labels are 0 or `label`. */
+static bool are_of(corners labels, uint16_t label) {
+    const corners known = (corners)((labels == 0) | (labels == label));
+    uint64_t halves[2];
+    memcpy(halves, &known, sizeof halves);
+    return (halves[0] & halves[1]) == UINT64_MAX;
+}
+
 /* The labels of the group, each once, at the corners of a cell. */
 static void list_labels(const iso_label_fields *f, int group, iso_label_cell *cell) {
-    const int *n = f->labels->dims, b = ISO_LABEL_BORDER,
-              at[3] = {cell->lo[0] - b, cell->lo[1] - b, cell->lo[2] - b};
-    const size_t row = (size_t)n[0], slice = row * (size_t)n[1];
-    const bool inside =
-        at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] + 1 < n[0] && at[1] + 1 < n[1] && at[2] + 1 < n[2];
-    const uint16_t *first = f->labels->number;
-    if (inside) first += (size_t)at[2] * slice + (size_t)at[1] * row + (size_t)at[0];
+    const int b = ISO_LABEL_BORDER, at[3] = {cell->lo[0] - b, cell->lo[1] - b, cell->lo[2] - b};
+    const corners all = labels_of_corners(f->labels, at);
+    uint16_t label[8];
+    memcpy(label, &all, sizeof label);
     cell->count = 0;
-    int last = 0;
-    for (size_t corner = 0; corner < 8; corner++) {
-        const size_t x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
-        const int label = inside ? first[z * slice + y * row + x]
-                                 : iso_labels_at(f->labels, at[0] + (int)x, at[1] + (int)y, at[2] + (int)z);
-        if (label == last || f->group[label] != group) continue;
-        last = label;
+    int corner = 0;
+    while (corner < 7 && !label[corner]) corner++;
+    const int end = are_of(all, label[corner]) ? corner + 1 : 8;
+    for (; corner < end; corner++) {
         int i = 0;
-        while (i < cell->count && cell->labels[i] != label) i++;
-        if (i == cell->count) cell->labels[cell->count++] = label;
+        while (i < cell->count && cell->labels[i] != label[corner]) i++;
+        if (label[corner] && i == cell->count && f->group[label[corner]] == group)
+            cell->labels[cell->count++] = label[corner];
+    }
+}
+
+/* Sets the fields of the cell's labels at its corners. The entries of a row ascend along x: those of two
+ * corners beside each other are found together, unless a brick ends between them. */
+static void find_values(const iso_label_fields *f, iso_label_cell *cell) {
+    const int *lo = cell->lo, x = lo[0] % ISO_BRICK;
+    for (int pair = 0; pair < 4; pair++) {
+        const int y = lo[1] + (pair & 1), z = lo[2] + (pair >> 1);
+        for (int i = 0; i < cell->count; i++)
+            cell->values[i][2 * pair] = cell->values[i][2 * pair + 1] = -ISO_LABEL_BAND;
+        const iso_label_candidates *c = candidates_at(f, lo[0], y, z);
+        if (x == ISO_BRICK - 1)
+            for (int i = 0; i < cell->count; i++)
+                cell->values[i][2 * pair + 1] = value_at(f, cell->labels[i], lo[0] + 1, y, z);
+        if (!c) continue;
+        const int row = z % ISO_BRICK * ISO_BRICK + y % ISO_BRICK;
+        const iso_label_value *entry = c->entry + c->start[row], *end = c->entry + c->start[row + 1];
+        while (entry < end && entry->x < x) entry++;
+        for (; entry < end && entry->x <= x + 1; entry++)
+            for (int i = 0; i < cell->count; i++)
+                if (entry->label == cell->labels[i]) cell->values[i][2 * pair + entry->x - x] = entry->value;
     }
 }
 
@@ -235,10 +307,7 @@ static void look_at_cell(const iso_label_fields *f, int group, const int lo[3], 
     cell->known = true;
     memcpy(cell->lo, lo, sizeof cell->lo);
     list_labels(f, group, cell);
-    for (int i = 0; i < cell->count && cell->count > 1; i++)
-        for (int corner = 0; corner < 8; corner++)
-            cell->values[i][corner] = value_at(f, cell->labels[i], lo[0] + (corner & 1),
-                                               lo[1] + (corner >> 1 & 1), lo[2] + (corner >> 2));
+    if (cell->count > 1) find_values(f, cell);
 }
 
 /* The label of the group whose nearest voxel is nearest to p; of two, the lower one. */
@@ -277,14 +346,13 @@ int iso_label_fields_near(const iso_label_fields *f, int group, iso_vec3 p, iso_
     if (cell->count == 0) return nearest_label(f, group, lo, p);
     if (cell->count == 1) return cell->labels[0];
     int best = 0;
-    double most = -INFINITY;
+    double most = -INFINITY, weight[8];
+    for (int corner = 0; corner < 8; corner++)
+        weight[corner] = (corner & 1 ? t[0] : 1 - t[0]) * (corner >> 1 & 1 ? t[1] : 1 - t[1]) *
+                         (corner >> 2 ? t[2] : 1 - t[2]);
     for (int i = 0; i < cell->count; i++) {
         double value = 0;
-        for (int corner = 0; corner < 8; corner++) {
-            const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2;
-            value += (dx ? t[0] : 1 - t[0]) * (dy ? t[1] : 1 - t[1]) * (dz ? t[2] : 1 - t[2]) *
-                     (double)cell->values[i][corner];
-        }
+        for (int corner = 0; corner < 8; corner++) value += weight[corner] * (double)cell->values[i][corner];
         if (value < most || (value == most && cell->labels[i] > best)) continue;
         most = value;
         best = cell->labels[i];

@@ -85,10 +85,9 @@ static uint64_t differ(const uint16_t *a, const uint16_t *b, int n) {
 }
 
 static void mask(const uint16_t *row, int n, uint16_t label, uint8_t *mask) {
-    const uint16_t of_others = ISO_LABEL_FAR_SQUARE;
     for (int i = 0; i < n; i += 2 * ISO_LANES) {
         const label_lanes same = (label_lanes)(load_labels(row + i) == label);
-        const half_byte_lanes bytes = __builtin_convertvector(~same & of_others, half_byte_lanes);
+        const half_byte_lanes bytes = __builtin_convertvector(~same, half_byte_lanes);
         memcpy(mask + i, &bytes, sizeof bytes);
     }
 }
@@ -134,77 +133,150 @@ ISO_INLINE bool needed(const iso_label_box *box, int step, int y, int z, int mor
 
 /* ---- distances */
 
-/* A part of a row of the squared distances along one axis: neighbours lie `step` apart. */
-ISO_INLINE byte_lanes least_squares(const uint8_t *in, ptrdiff_t step) {
-    byte_lanes least = load_bytes(in);
-    for (int k = 1; k <= REACH; k++) {
-        const uint8_t square = (uint8_t)(k * k);
-        least =
-            least_bytes(least, least_bytes(load_bytes(in + k * step), load_bytes(in - k * step)) + square);
-    }
-    return least;
+/* Squared distances of a voxel to the nearest one on the other side of the label's border, with the side: d
+ * inside, ~d outside. */
+typedef int8_t side_lanes __attribute__((vector_size(4 * ISO_LANES)));
+
+ISO_INLINE side_lanes load_sides(const int8_t *from) {
+    side_lanes loaded;
+    memcpy(&loaded, from, sizeof loaded);
+    return loaded;
 }
 
-/* The same of a mask, to the voxels inside and outside of it. */
-ISO_INLINE void mask_squares(const uint8_t *in, ptrdiff_t step, uint8_t *to_inside, uint8_t *to_outside) {
-    const byte_lanes far = (uint8_t)ISO_LABEL_FAR_SQUARE - (byte_lanes){0};
-    byte_lanes inside = load_bytes(in), outside = inside ^ far;
-    for (int k = 1; k <= REACH; k++) {
-        const uint8_t square = (uint8_t)(k * k);
-        const byte_lanes a = load_bytes(in + k * step), b = load_bytes(in - k * step);
-        inside = least_bytes(inside, (a & b) + square);
-        outside = least_bytes(outside, ((a | b) ^ far) + square);
-    }
-    store_bytes(to_inside, inside);
-    store_bytes(to_outside, outside);
+ISO_INLINE side_lanes least_side(side_lanes a, side_lanes b) {
+#if ISO_LANES == 16
+    return (side_lanes)_mm512_min_epi8((__m512i)a, (__m512i)b);
+#elif ISO_LANES == 8
+    return (side_lanes)_mm256_min_epi8((__m256i)a, (__m256i)b);
+#else
+    const side_lanes less = (side_lanes)(a < b);
+    return (a & less) | (b & ~less);
+#endif
 }
 
-static void squares(const uint8_t *mask, const iso_label_box *box, uint8_t *work, uint8_t *to_inside,
-                    uint8_t *to_outside) {
-    const int m = box->margin, far[3] = {box->n[0] + 2 * m, box->n[1] + 2 * m, box->n[2] + 2 * m},
-              all[3] = {far[0] + 2 * REACH, far[1] + 2 * REACH, far[2] + 2 * REACH};
-    const ptrdiff_t slice = (ptrdiff_t)all[0] * all[1];
-    const size_t size = (size_t)slice * (size_t)all[2] + ISO_LABEL_SLACK;
-    uint8_t *inside = work, *outside = work + size, row_in[2][2 * ISO_LABEL_ROW + ISO_LABEL_SLACK];
+ISO_INLINE side_lanes not_negative(side_lanes a) {
+#if ISO_LANES == 16
+    return (side_lanes)_mm512_max_epi8((__m512i)a, _mm512_setzero_si512());
+#elif ISO_LANES == 8
+    return (side_lanes)_mm256_max_epi8((__m256i)a, _mm256_setzero_si256());
+#else
+    return a & ~(side_lanes)(a < 0);
+#endif
+}
+
+/* Of bytes from 0 to 6. */
+ISO_INLINE byte_lanes square_of(byte_lanes a) {
+#if ISO_LANES > 4
+    const __m128i squares = _mm_setr_epi8(0, 1, 4, 9, 16, 25, 36, 0, 0, 0, 0, 0, 0, 0, 0, 0);
+#endif
+#if ISO_LANES == 16
+    return (byte_lanes)_mm512_shuffle_epi8(_mm512_broadcast_i32x4(squares), (__m512i)a);
+#elif ISO_LANES == 8
+    return (byte_lanes)_mm256_shuffle_epi8(_mm256_broadcastsi128_si256(squares), (__m256i)a);
+#else
+    return a * a;
+#endif
+}
+
+/* The squared distances along z of `n` voxels, `step` apart: of the first and last REACH of them they are not
+ * written. A voxel beside one of the other side is 1 from it; one beside another of its side is 1 farther. */
+ISO_INLINE void column_squares(const uint8_t *mask, ptrdiff_t step, int n, int8_t *to) {
+    const byte_lanes most = REACH + 1 - (byte_lanes){0};
+    byte_lanes before[ISO_LABEL_ROW], last = load_bytes(mask), far = {0};
+    for (int i = 0; i < n; i++) {
+        const byte_lanes here = load_bytes(mask + i * step);
+        far = least_bytes((far & (byte_lanes)(here == last)) + 1, most);
+        before[i] = far;
+        last = here;
+    }
+    far = (byte_lanes){0};
+    for (int i = n - 1; i >= REACH; i--) {
+        const byte_lanes here = load_bytes(mask + i * step);
+        far = least_bytes((far & (byte_lanes)(here == last)) + 1, most);
+        last = here;
+        if (i >= n - REACH) continue;
+        const byte_lanes side = square_of(least_bytes(far, before[i])) ^ here;
+        memcpy(to + i * step, &side, sizeof side);
+    }
+}
+
+/* A part of a row of the squared distances along one axis and those before: neighbours lie `step` apart. */
+ISO_INLINE side_lanes least_squares(const int8_t *in, ptrdiff_t step) {
+    const side_lanes here = load_sides(in), outside = (side_lanes)(here < 0);
+    side_lanes least = here ^ outside;
+    for (int k = 1; k <= REACH; k++) {
+        const side_lanes near =
+            least_side(load_sides(in + k * step) ^ outside, load_sides(in - k * step) ^ outside);
+        least = least_side(least, not_negative(near) + (int8_t)(k * k));
+    }
+    return least ^ outside;
+}
+
+/* The rows first .. end - 1 along z of one y whose squared distances along z are needed, and the voxels of
+ * them: lo .. hi - 1. */
+typedef struct column {
+    int first, end, lo, hi;
+} column;
+
+ISO_INLINE bool needed_column(const iso_label_box *box, int y, column *c) {
+    const int m = box->margin;
     int lo, hi;
-    for (int z = -m; z < far[2] - m; z++)
-        for (int y = -m - REACH; y < far[1] - m + REACH; y++) {
-            if (!needed(box, ISO_LABEL_Z_SQUARES, y, z, 2 * REACH, &lo, &hi)) continue;
-            const ptrdiff_t to = (z + m) * slice + (ptrdiff_t)(y + m + REACH) * all[0];
-            for (int x = lo; x < hi; x += BYTES)
-                mask_squares(mask + to + REACH * slice + x, slice, inside + to + x, outside + to + x);
-        }
+    *c = (column){0, 0, INT32_MAX, INT32_MIN};
+    for (int z = -m; z < box->n[2] + m; z++) {
+        if (!needed(box, ISO_LABEL_Z_SQUARES, y, z, 2 * REACH, &lo, &hi)) continue;
+        if (c->lo == INT32_MAX) c->first = z;
+        c->end = z + 1;
+        c->lo = lo < c->lo ? lo : c->lo;
+        c->hi = hi > c->hi ? hi : c->hi;
+    }
+    return c->lo < c->hi;
+}
+
+static void squares(const uint8_t *mask, const iso_label_box *box, int8_t *work, int8_t *squares) {
+    const int m = box->margin, far[3] = {box->n[0] + 2 * m, box->n[1] + 2 * m, box->n[2] + 2 * m},
+              all[2] = {far[0] + 2 * REACH, far[1] + 2 * REACH};
+    const ptrdiff_t slice = (ptrdiff_t)all[0] * all[1];
+    int8_t row_in[2 * ISO_LABEL_ROW + ISO_LABEL_SLACK];
+    int lo, hi;
+    for (int y = -m - REACH; y < far[1] - m + REACH; y++) {
+        column c;
+        if (!needed_column(box, y, &c)) continue;
+        const ptrdiff_t first = (c.first + m) * slice + (ptrdiff_t)(y + m + REACH) * all[0];
+        for (int x = c.lo; x < c.hi; x += BYTES)
+            column_squares(mask + first + x, slice, c.end - c.first + 2 * REACH, work + first + x);
+    }
     for (int z = -m; z < far[2] - m; z++)
         for (int y = -m; y < far[1] - m; y++) {
             if (!needed(box, ISO_LABEL_DISTANCES, y, z, 2 * REACH, &lo, &hi)) continue;
-            const ptrdiff_t from = (z + m) * slice + (ptrdiff_t)(y + m + REACH) * all[0],
+            const ptrdiff_t from = (z + m + REACH) * slice + (ptrdiff_t)(y + m + REACH) * all[0],
                             to = ((ptrdiff_t)(z + m) * far[1] + y + m) * far[0];
             for (int x = lo; x < hi; x += BYTES) {
-                store_bytes(row_in[0] + x, least_squares(inside + from + x, all[0]));
-                store_bytes(row_in[1] + x, least_squares(outside + from + x, all[0]));
+                const side_lanes part = least_squares(work + from + x, all[0]);
+                memcpy(row_in + x, &part, sizeof part);
             }
             hi -= 2 * REACH;
             for (int x = lo; x < hi; x += BYTES) {
-                store_bytes(to_inside + to + x, least_squares(row_in[0] + x + REACH, 1));
-                store_bytes(to_outside + to + x, least_squares(row_in[1] + x + REACH, 1));
+                const side_lanes part = least_squares(row_in + x + REACH, 1);
+                memcpy(squares + to + x, &part, sizeof part);
             }
         }
 }
 
-static void signed_distance(const uint8_t *to_outside, const uint8_t *to_inside, const iso_label_box *box,
-                            float *distance) {
+static void signed_distance(const int8_t *squares, const iso_label_box *box, float *distance) {
     const int m = box->margin, far[2] = {box->n[0] + 2 * m, box->n[1] + 2 * m};
     const vf half = v_set(0.5f);
+    const vi last_inside = v_seti(INT8_MAX);
     int lo, hi;
     for (int z = -m; z < box->n[2] + m; z++)
         for (int y = -m; y < box->n[1] + m; y++) {
             if (!needed(box, ISO_LABEL_DISTANCES, y, z, 0, &lo, &hi)) continue;
             const ptrdiff_t row = ((ptrdiff_t)(z + m) * far[1] + y + m) * far[0];
             for (ptrdiff_t i = row + lo; i < row + hi; i += ISO_LANES) {
-                /* (one of the two is 0) */
-                const vi outside = v_load_u8(to_outside + i), inside = v_load_u8(to_inside + i);
-                const vf root = v_sqrt(v_to_float(outside + inside)) - half;
-                v_store(distance + i, v_select(v_lti(v_seti(0), outside), root, v_set(0) - root));
+                const vi byte = v_load_u8((const uint8_t *)squares + i);
+                const vm outside = v_lti(last_inside, byte);
+                const vi square = v_selecti(outside, v_seti(UINT8_MAX) - byte, byte);
+                const vf root = v_sqrt(v_to_float(square)) - half;
+                v_store(distance + i, v_select(outside, v_set(0) - root, root));
             }
         }
 }
@@ -216,9 +288,9 @@ ISO_INLINE vf pair_at(const float *in, ptrdiff_t step) {
 }
 
 /* A Gaussian of the values around `in`. */
-ISO_INLINE vf gaussian_at(const float *in, ptrdiff_t step, int radius, const float *w) {
-    vf sum = v_set(w[0]) * v_load(in);
-    for (int k = 1; k <= radius; k++) sum = sum + v_set(w[k]) * pair_at(in, k * step);
+ISO_INLINE vf gaussian_at(const float *in, ptrdiff_t step, int radius, const vf *w) {
+    vf sum = w[0] * v_load(in);
+    for (int k = 1; k <= radius; k++) sum = sum + w[k] * pair_at(in, k * step);
     return sum;
 }
 
@@ -228,17 +300,19 @@ ISO_INLINE void filter_of(const float *distance, const iso_label_box *box, int f
     const ptrdiff_t slice = (ptrdiff_t)far[0] * far[1], size = slice * n[2] + ISO_LABEL_SLACK;
     float *z_done[2] = {work, work + size}, *y_done[2] = {work + 2 * size, work + 3 * size};
     int lo, hi;
+    vf w[2][ISO_LABEL_RADIUS + 1]; /* (as vectors of their own, which no store of results can change) */
+    for (int k = 0; k <= second; k++) w[0][k] = v_set(f->w[0][k]), w[1][k] = v_set(f->w[1][k]);
     for (int z = 0; z < n[2]; z++)
         for (int y = -m; y < n[1] + m; y++) {
             if (!needed(box, ISO_LABEL_Z_PASS, y, z, 0, &lo, &hi)) continue;
             const ptrdiff_t row = z * slice + (ptrdiff_t)(y + m) * far[0];
             for (ptrdiff_t i = row + lo; i < row + hi; i += ISO_LANES) {
                 const float *in = distance + i + m * slice;
-                vf a = v_set(f->w[0][0]) * v_load(in), b = v_set(f->w[1][0]) * v_load(in);
+                vf a = w[0][0] * v_load(in), b = w[1][0] * v_load(in);
                 for (int k = 1; k <= second; k++) {
                     const vf pair = pair_at(in, k * slice);
-                    if (k <= first) a = a + v_set(f->w[0][k]) * pair;
-                    b = b + v_set(f->w[1][k]) * pair;
+                    if (k <= first) a = a + w[0][k] * pair;
+                    b = b + w[1][k] * pair;
                 }
                 v_store(z_done[0] + i, a);
                 v_store(z_done[1] + i, b);
@@ -250,13 +324,13 @@ ISO_INLINE void filter_of(const float *distance, const iso_label_box *box, int f
             const ptrdiff_t from = z * slice + (ptrdiff_t)(y + m) * far[0],
                             row = ((ptrdiff_t)z * n[1] + y) * far[0];
             for (int x = lo; x < hi; x += ISO_LANES) {
-                v_store(y_done[0] + row + x, gaussian_at(z_done[0] + from + x, far[0], first, f->w[0]));
-                v_store(y_done[1] + row + x, gaussian_at(z_done[1] + from + x, far[0], second, f->w[1]));
+                v_store(y_done[0] + row + x, gaussian_at(z_done[0] + from + x, far[0], first, w[0]));
+                v_store(y_done[1] + row + x, gaussian_at(z_done[1] + from + x, far[0], second, w[1]));
             }
             const vf forth = v_set(1 + f->back), back = v_set(f->back);
             for (int x = lo + r; x < hi - r; x += ISO_LANES) {
-                const vf a = gaussian_at(y_done[0] + row + x, 1, first, f->w[0]),
-                         b = gaussian_at(y_done[1] + row + x, 1, second, f->w[1]);
+                const vf a = gaussian_at(y_done[0] + row + x, 1, first, w[0]),
+                         b = gaussian_at(y_done[1] + row + x, 1, second, w[1]);
                 v_store(out + ((ptrdiff_t)z * n[1] + y) * n[0] + x - m, forth * a - back * b);
             }
         }

@@ -14,10 +14,10 @@
 #include "base/cpu.h"
 
 enum {
-    ISO_LABEL_RADIUS = 7,      /* greatest of a filter */
-    ISO_LABEL_REACH = 5,       /* distances up to this many voxels are exact */
-    ISO_LABEL_FAR_SQUARE = 36, /* the squared distance of all voxels that are farther away */
-    ISO_LABEL_ROW = 64,        /* voxels of a row, at most */
+    ISO_LABEL_RADIUS = 7, /* greatest of a filter */
+    ISO_LABEL_REACH = 5,  /* distances up to this many voxels are exact */
+    ISO_LABEL_FAR_SQUARE = (ISO_LABEL_REACH + 1) * (ISO_LABEL_REACH + 1), /* of all that are farther away */
+    ISO_LABEL_ROW = 64,                                                   /* voxels of a row, at most */
     ISO_LABEL_SLACK = 64,
     ISO_LABEL_GUARD = ISO_LABEL_ROW * ISO_LABEL_RADIUS
 };
@@ -57,17 +57,15 @@ typedef struct iso_smooth_kernel {
     uint64_t (*differ)(const uint16_t *a, const uint16_t *b, int n);
     /* From which results are needed follows what else is. */
     void (*needs)(const iso_label_box *box);
-    /* mask[i] = 0 where row[i] is the label, else ISO_LABEL_FAR_SQUARE. */
+    /* mask[i] = 0 where row[i] is the label, else UINT8_MAX. */
     void (*mask)(const uint16_t *row, int n, uint16_t label, uint8_t *mask);
-    /* The squared distance from each voxel to the nearest one with mask[] == 0, and to the nearest one with
-     * mask[] == ISO_LABEL_FAR_SQUARE; at most ISO_LABEL_FAR_SQUARE. `work`: 2 bytes for each voxel of the
-     * mask, and ISO_LABEL_SLACK more for each of the two. */
-    void (*squares)(const uint8_t *mask, const iso_label_box *box, uint8_t *work, uint8_t *to_inside,
-                    uint8_t *to_outside);
-    /* The distance to the border of a label, voxels: positive inside, where the squared distance to the
-     * nearest voxel outside is not 0. The border lies half a voxel from voxels' centres. */
-    void (*signed_distance)(const uint8_t *to_outside, const uint8_t *to_inside, const iso_label_box *box,
-                            float *distance);
+    /* The squared distance d from each voxel to the nearest one whose mask[] is not the same, at most
+     * ISO_LABEL_FAR_SQUARE: d where the mask is 0, else ~d. `work`: a byte for each voxel of the mask, and
+     * ISO_LABEL_SLACK more. */
+    void (*squares)(const uint8_t *mask, const iso_label_box *box, int8_t *work, int8_t *squares);
+    /* The distance to the border of a label, voxels: positive inside. The border lies half a voxel from
+     * voxels' centres. */
+    void (*signed_distance)(const int8_t *squares, const iso_label_box *box, float *distance);
     /* out = the filter of the distances. `work`: 4 floats for each of these, and
      * ISO_LABEL_SLACK more for each of the four. */
     void (*filter)(const float *distance, const iso_label_box *box, const iso_label_filter *filter,

@@ -26,6 +26,17 @@ def _box(box: Any) -> Box:
     return (box.lo.x, box.lo.y, box.lo.z), (box.hi.x, box.hi.y, box.hi.z)
 
 
+def _making(given: "Dict[str, Any]") -> Any:
+    """The iso_surface_mesh_opts of the keywords of Surface.mesh."""
+    names = [name for name, _ in ffi.typeof("iso_surface_mesh_opts").fields]
+    unknown = set(given) - set(names)
+    if unknown:
+        raise TypeError(f"{', '.join(sorted(unknown))}: a mesh is made with {', '.join(names)}")
+    if "up" in given:
+        given = {**given, "up": tuple(vec3(given["up"], "up"))}
+    return ffi.new("iso_surface_mesh_opts *", given)
+
+
 class Mesh:
     """A closed or open triangle mesh. `vertices` and `normals` (n, 3) float32, `triangles` (m, 3) uint32: views of the
     library's memory. World positions are `vertices` + `origin`."""
@@ -213,12 +224,15 @@ class Surface(_Surfaces):
             call(lib.iso_surface_set_isovalue, self._handle, float(value))
         self._isovalue = float(value)
 
-    def mesh(self, *, origin: Floats = (0, 0, 0), progress: Optional[Progress] = None) -> Mesh:
-        """The Marching Cubes mesh, welded; `origin` as of `points`."""
+    def mesh(self, *, origin: Floats = (0, 0, 0), progress: Optional[Progress] = None, **making: Any) -> Mesh:
+        """The Marching Cubes mesh, welded; `origin` as of `points`. `making`, in this order: `closed`=True caps the
+        solid at the volume's border; `hollow` leaves a wall of so many mm, closed, with two holes `drain` mm wide
+        along `up` (default z); `smooth`: iterations of Taubin's filter; `keep` joins triangles until this share of
+        them is left, `deviation` as long as the surface moves by about so many mm at most."""
         mesh = ffi.gc(ffi.new("iso_mesh *"), lib.iso_mesh_free)
         with self._working(progress):
             call(lib.iso_surface_set_origin, self._handle, vec3(origin, "origin"))
-            call(lib.iso_surface_mesh, self._handle, mesh)
+            call(lib.iso_surface_mesh_with, self._handle, _making(making), mesh)
         return Mesh(mesh, origin)
 
     def measure(self, progress: Optional[Progress] = None) -> "Dict[str, float]":
@@ -228,10 +242,10 @@ class Surface(_Surfaces):
             call(lib.iso_surface_measure, self._handle, m)
         return {name: getattr(m, name) for name, _ in ffi.typeof("iso_mesh_measures").fields}
 
-    def save_mesh(self, path: Path) -> None:
-        """Writes the mesh as .ply, .stl or .obj."""
+    def save_mesh(self, path: Path, **making: Any) -> None:
+        """Writes the mesh as .ply, .stl, .obj, .vtp, .glb or .3mf; `making` as of `mesh`."""
         with self._working():
-            call(lib.iso_surface_write_mesh, self._handle, os.fsencode(path))
+            call(lib.iso_surface_write_mesh_with, self._handle, _making(making), os.fsencode(path))
 
 
 class Labels(Surface):

@@ -332,6 +332,29 @@ class Outputs(unittest.TestCase):
         vertices, faces = m.to_napari()
         self.assertTrue((vertices[:, 0] == m.vertices[:, 2]).all())
 
+    def test_meshes_for_files(self):
+        """The same triangles as isorender writes: fewer, smooth, closed, hollow."""
+        makings = ((["--smooth-mesh", "7"], dict(smooth=7)), (["--decimate", "10%"], dict(keep=0.1)),
+                   (["--decimate", "0.2"], dict(deviation=0.2)), (["--closed"], dict(closed=True)),
+                   (["--hollow", "3", "--drain", "5", "--up", "y"], dict(hollow=3, drain=5, up=(0, 1, 0))),
+                   (["--hollow", "4", "--smooth-mesh", "2", "--decimate", "30%"], dict(hollow=4, smooth=2, keep=0.3)))
+        with tempfile.TemporaryDirectory() as folder:
+            bumpy(64).tofile(f"{folder}/ball.raw")
+            s, written = isopoint.Surface(bumpy(64), 40), []
+            for options, how in makings:
+                subprocess.run([ISORENDER, "-q", "--raw", "64x64x64:uint8", "--isovalue", "40", "--no-image", *options,
+                                "--mesh", f"{folder}/theirs.stl", f"{folder}/ball.raw"], check=True)
+                s.save_mesh(f"{folder}/ours.stl", **how)
+                with open(f"{folder}/theirs.stl", "rb") as theirs, open(f"{folder}/ours.stl", "rb") as ours:
+                    written.append(theirs.read()[80:])  # behind the comment
+                    self.assertTrue(ours.read()[80:] == written[-1], options)
+                self.assertEqual(len(s.mesh(**how).triangles), int.from_bytes(written[-1][:4], "little"))
+            self.assertEqual(len(set(written)), len(makings))
+        with self.assertRaises(TypeError):
+            s.mesh(hole=1)
+        with self.assertRaises(isopoint.UsageError):
+            s.mesh(keep=2)
+
     def test_vtk(self):
         try:
             from vtkmodules.vtkFiltersCore import vtkMassProperties

@@ -10,6 +10,7 @@
 #include "io/mesh/mesh_write.h"
 #include "io/points_write.h"
 #include "scene/bounds.h"
+#include "scene/solid.h"
 
 /* The comment in the headers of the files that are written. */
 static const char COMMENT[] = "isopoint";
@@ -306,15 +307,74 @@ void iso_mesh_free(iso_mesh *mesh) {
     *mesh = (iso_mesh){0};
 }
 
-static iso_status weld(iso_surface *surface, iso_mesh_view *view, iso_weld *welded, iso_error *error) {
+/* The weld of a surface's mesh, of the surface's grid or of one of its own. */
+typedef struct made_mesh {
+    iso_weld weld;
+    iso_transform transform;
+} made_mesh;
+
+static iso_status weld_surface(iso_scene_surface *scene, const iso_solid_mesh_opts *opts, made_mesh *made,
+                               iso_error *error) {
+    ISO_TRY(iso_scene_surface_update(scene, ISO_PART_MESH, error));
+    const iso_mesh_view view = iso_mesh_set_view(scene->mesh);
+    made->transform = view.transform;
+    return iso_solid_weld(&view, opts, &made->weld, error);
+}
+
+/* The same of the solid, closed and perhaps hollow, which is made for it. */
+static iso_status weld_solid(iso_surface *surface, const iso_solid_opts *solid,
+                             const iso_solid_mesh_opts *opts, made_mesh *made, iso_error *error) {
+    iso_scene_surface scene = {.isovalue = surface->scene.isovalue, .pool = surface->pool, .bounded = true};
+    iso_status status =
+        iso_solid_make(&surface->scene.grid, solid, &scene.isovalue, &scene.grid, NULL, error);
+    if (status == ISO_OK) status = weld_surface(&scene, opts, made, error);
+    iso_scene_surface_free(&scene);
+    iso_grid_destroy(&scene.grid);
+    return status;
+}
+
+static iso_status check_mesh_opts(const iso_surface_mesh_opts *opts, iso_error *error) {
+    static const double most = 1e12; /* mm */
+    if (opts->smooth < 0 || opts->smooth > ISO_SMOOTH_MOST)
+        return iso_fail(error, ISO_ERR_USAGE, "smooth: %d is not in 0 .. %d", opts->smooth, ISO_SMOOTH_MOST);
+    if (!(opts->keep >= 0 && opts->keep < 1))
+        return iso_fail(error, ISO_ERR_USAGE, "keep: %g is no share of the triangles below 1", opts->keep);
+    const double lengths[] = {opts->deviation, opts->hollow, opts->drain};
+    static const char *const names[] = {"deviation", "hollow", "drain"};
+    for (int i = 0; i < 3; i++)
+        if (!(lengths[i] >= 0 && lengths[i] < most))
+            return iso_fail(error, ISO_ERR_USAGE, "%s: %g is no length in mm", names[i], lengths[i]);
+    if (opts->keep > 0 && opts->deviation > 0)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "triangles are joined until `keep` or `deviation`: give one of them");
+    if (opts->drain > 0 && !(opts->hollow > 0))
+        return iso_fail(error, ISO_ERR_USAGE, "drain is of what is hollow: it needs `hollow`");
+    if (!iso_vec3_is_finite(opts->up)) return iso_fail(error, ISO_ERR_USAGE, "up is not finite");
+    if ((opts->keep > 0 || opts->deviation > 0) && !iso_weld_can_decimate())
+        return iso_fail(error, ISO_ERR_BACKEND, "built without meshoptimizer, which joins triangles");
+    return ISO_OK;
+}
+
+/* Makes the mesh; iso_weld_free when done. */
+static iso_status weld(iso_surface *surface, const iso_surface_mesh_opts *opts, made_mesh *made,
+                       iso_error *error) {
+    static const iso_surface_mesh_opts defaults;
+    if (!opts) opts = &defaults;
     ISO_TRY(check_volume(surface, "a mesh", error));
+    ISO_TRY(check_mesh_opts(opts, error));
     ISO_TRY(iso_api_surface_ready(surface, error));
+    const bool upright = iso_vec3_dot(opts->up, opts->up) > 0;
+    const iso_hollow_opts how = {.drain = opts->drain,
+                                 .up = upright ? iso_vec3_unit(opts->up) : iso_vec3_make(0, 0, 1)};
+    const iso_solid_opts solid = {.closed = opts->closed || opts->hollow > 0,
+                                  .hollow = opts->hollow,
+                                  .how = &how,
+                                  .pool = surface->pool};
+    const iso_mesh_edits edits = {opts->smooth, opts->keep, opts->deviation};
+    const iso_solid_mesh_opts mesh = {.closed = solid.closed, .edits = &edits, .pool = surface->pool};
     begin_watch(surface);
-    iso_status status = iso_scene_surface_update(&surface->scene, ISO_PART_MESH, error);
-    if (status == ISO_OK) {
-        *view = iso_mesh_set_view(surface->scene.mesh);
-        status = iso_mesh_weld(view, surface->pool, welded, error);
-    }
+    const iso_status status = solid.closed ? weld_solid(surface, &solid, &mesh, made, error)
+                                           : weld_surface(&surface->scene, &mesh, made, error);
     end_watch(surface);
     return status;
 }
@@ -336,19 +396,20 @@ static void copy_mesh(const iso_weld *welded, const iso_affine *affine, iso_mesh
     }
 }
 
-iso_status iso_surface_mesh(iso_surface *surface, iso_mesh *mesh, iso_error *error) {
-    iso_mesh_view view;
-    iso_weld welded;
-    ISO_TRY(weld(surface, &view, &welded, error));
-    iso_mesh made = {.positions = iso_alloc(welded.vertex_count * sizeof *made.positions),
-                     .normals = iso_alloc(welded.vertex_count * sizeof *made.normals),
-                     .triangles = iso_alloc(welded.triangle_count * sizeof *made.triangles),
-                     .vertex_count = welded.vertex_count,
-                     .triangle_count = welded.triangle_count};
+iso_status iso_surface_mesh_with(iso_surface *surface, const iso_surface_mesh_opts *opts, iso_mesh *mesh,
+                                 iso_error *error) {
+    made_mesh from;
+    ISO_TRY(weld(surface, opts, &from, error));
+    const iso_weld *welded = &from.weld;
+    iso_mesh made = {.positions = iso_alloc(welded->vertex_count * sizeof *made.positions),
+                     .normals = iso_alloc(welded->vertex_count * sizeof *made.normals),
+                     .triangles = iso_alloc(welded->triangle_count * sizeof *made.triangles),
+                     .vertex_count = welded->vertex_count,
+                     .triangle_count = welded->triangle_count};
     const bool there = made.positions && made.normals && made.triangles;
-    const iso_affine affine = affine_of(surface, &view.transform);
-    if (there) copy_mesh(&welded, &affine, &made);
-    iso_weld_free(&welded);
+    const iso_affine affine = affine_of(surface, &from.transform);
+    if (there) copy_mesh(welded, &affine, &made);
+    iso_weld_free(&from.weld);
     if (!there) {
         iso_mesh_free(&made);
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a mesh");
@@ -357,29 +418,37 @@ iso_status iso_surface_mesh(iso_surface *surface, iso_mesh *mesh, iso_error *err
     return ISO_OK;
 }
 
+iso_status iso_surface_mesh(iso_surface *surface, iso_mesh *mesh, iso_error *error) {
+    return iso_surface_mesh_with(surface, NULL, mesh, error);
+}
+
 iso_status iso_surface_measure(iso_surface *surface, iso_mesh_measures *measures, iso_error *error) {
-    iso_mesh_view view;
-    iso_weld welded;
-    ISO_TRY(weld(surface, &view, &welded, error));
-    iso_status status = iso_weld_measure(&welded, &view.transform, surface->pool, measures, error);
-    iso_weld_free(&welded);
+    made_mesh made;
+    ISO_TRY(weld(surface, NULL, &made, error));
+    iso_status status = iso_weld_measure(&made.weld, &made.transform, surface->pool, measures, error);
+    iso_weld_free(&made.weld);
+    return status;
+}
+
+iso_status iso_surface_write_mesh_with(iso_surface *surface, const iso_surface_mesh_opts *opts,
+                                       const char *path, iso_error *error) {
+    made_mesh made;
+    ISO_TRY(iso_api_check_path(path, error));
+    ISO_TRY(check_volume(surface, "a mesh", error));
+    ISO_TRY(iso_mesh_write_check(path, error));
+    ISO_TRY(weld(surface, opts, &made, error));
+    const iso_mesh_object object = {.weld = &made.weld,
+                                    .transform = &made.transform,
+                                    .name = NULL,
+                                    .color = surface->has_color ? &surface->color : NULL,
+                                    .opacity = surface->opacity};
+    const iso_status status = made.weld.triangle_count
+                                  ? iso_mesh_write_objects(path, &object, 1, COMMENT, error)
+                                  : fail_empty(surface, error);
+    iso_weld_free(&made.weld);
     return status;
 }
 
 iso_status iso_surface_write_mesh(iso_surface *surface, const char *path, iso_error *error) {
-    iso_mesh_view view;
-    iso_weld welded;
-    ISO_TRY(iso_api_check_path(path, error));
-    ISO_TRY(check_volume(surface, "a mesh", error));
-    ISO_TRY(iso_mesh_write_check(path, error));
-    ISO_TRY(iso_api_surface_part(surface, ISO_PART_MESH, error));
-    ISO_TRY(weld(surface, &view, &welded, error));
-    const iso_mesh_object object = {.weld = &welded,
-                                    .transform = &view.transform,
-                                    .name = NULL,
-                                    .color = surface->has_color ? &surface->color : NULL,
-                                    .opacity = surface->opacity};
-    const iso_status status = iso_mesh_write_objects(path, &object, 1, COMMENT, error);
-    iso_weld_free(&welded);
-    return status;
+    return iso_surface_write_mesh_with(surface, NULL, path, error);
 }

@@ -26,16 +26,16 @@ typedef enum video_kind { NO_VIDEO, MP4, WEBM, GIF, APNG } video_kind;
 /* Colours are those of HDTV. Every picture of a GIF has a palette of its own, whose dither does not move. */
 #define TO_YUV "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int"
 #define AS_HDTV "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"
-static const char *const encoders[][20] =
-    {[MP4] = {"-vf", TO_YUV ",format=yuv420p", "-c:v", "libx264", "-preset", "veryfast", "-crf", "17",
-              AS_HDTV, "-movflags", "+faststart", "-f", "mp4", NULL},
-     [WEBM] = {"-vf", TO_YUV ",format=yuv420p", "-c:v", "libvpx-vp9", "-crf", "22", "-b:v", "0", "-cpu-used",
-               "5", AS_HDTV, "-f", "webm", NULL},
-     [GIF] =
-         {"-filter_complex",
-          "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer:bayer_scale=3",
-          "-loop", "0", "-f", "gif", NULL},
-     [APNG] = {"-c:v", "apng", "-pred", "mixed", "-plays", "0", "-f", "apng", NULL}};
+static const char *const encoders[][22] = {
+    [MP4] = {"-vf", TO_YUV ",format=yuv420p", "-c:v", "libx264", "-preset", "superfast", "-x264-params",
+             "mbtree=1:rc-lookahead=10", "-crf", "17", AS_HDTV, "-movflags", "+faststart", "-f", "mp4", NULL},
+    [WEBM] = {"-vf", TO_YUV ",format=yuv420p", "-c:v", "libvpx-vp9", "-crf", "22", "-b:v", "0", "-cpu-used",
+              "5", AS_HDTV, "-f", "webm", NULL},
+    [GIF] =
+        {"-filter_complex",
+         "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer:bayer_scale=3",
+         "-loop", "0", "-f", "gif", NULL},
+    [APNG] = {"-c:v", "apng", "-pred", "mixed", "-plays", "0", "-f", "apng", NULL}};
 
 struct iso_video {
     char *path; /* as it is given, for messages */

@@ -17,7 +17,7 @@
 static const char MAGIC[8] = {'I', 'S', 'O', 'K', 'E', 'Y', 'S', '\n'};
 
 enum {
-    VERSION = 5,
+    VERSION = 6,
     BUFFER_BYTES = 1 << 16,
     HEADER_MOST = 1 << 20, /* bytes */
     TEXT_NONE = -1,        /* the length of a text that is not there */
@@ -75,6 +75,10 @@ static void pass_reals(header *h, double *values, int count) {
     for (int i = 0; i < count; i++) pass_bits(h, &values[i], 8);
 }
 
+static void pass_bytes(header *h, char *bytes, int count) {
+    for (int i = 0; i < count; i++) pass_bits(h, &bytes[i], 1);
+}
+
 static void pass_vec3(header *h, iso_vec3 *v) {
     pass_reals(h, &v->x, 1);
     pass_reals(h, &v->y, 1);
@@ -113,9 +117,10 @@ static void pass_surface(header *h, iso_key_surface *surface) {
 }
 
 static void pass_style(header *h, iso_key_style *style) {
-    int32_t *const flags[] = {&style->orthographic,       &style->transparent, &style->scale_bar,
-                              &style->orientation_marker, &style->anatomical,  &style->unit,
-                              &style->world_unit,         &style->caps};
+    int32_t *const flags[] = {
+        &style->orthographic, &style->transparent, &style->scale_bar,  &style->orientation_marker,
+        &style->anatomical,   &style->unit,        &style->world_unit, &style->caps,
+        &style->color_bar,    &style->colormap};
     pass_ints(h, &style->width, 1);
     pass_ints(h, &style->height, 1);
     pass_ints(h, &style->samples, 1);
@@ -132,6 +137,10 @@ static void pass_style(header *h, iso_key_style *style) {
     pass_reals(h, &style->pixels_per_metre, 1);
     pass_ints(h, &style->method, 1);
     for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) pass_ints(h, flags[i], 1);
+    pass_reals(h, &style->bar_low, 1);
+    pass_reals(h, &style->bar_high, 1);
+    pass_bytes(h, style->bar_title, sizeof style->bar_title);
+    pass_reals(h, &style->font_size, 1);
     pass_bits(h, style->background, 4);
     pass_bits(h, style->color, 4);
 }
@@ -269,13 +278,17 @@ static bool find_key_size(const iso_key_style *style, int size[2]) {
 
 static bool is_sound_style(const iso_key_style *style) {
     const int32_t flags[] = {style->orthographic,       style->transparent, style->scale_bar,
-                             style->orientation_marker, style->anatomical,  style->caps};
+                             style->orientation_marker, style->anatomical,  style->caps,
+                             style->color_bar};
     const double *vectors[] = {&style->position.x, &style->focal_point.x, &style->view_up.x};
     bool sound = style->width >= 1 && style->height >= 1 && style->width <= ISO_IMAGE_MAX &&
                  style->height <= ISO_IMAGE_MAX && style->samples >= 1 &&
                  iso_picture_factor(style->samples) > 0;
     for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) sound &= flags[i] == 0 || flags[i] == 1;
     for (int i = 0; i < 3; i++) sound &= all_finite(vectors[i], 3);
+    sound &= style->colormap >= 0 && style->colormap < ISO_COLORMAP_COUNT;
+    sound &= isfinite(style->bar_low) && isfinite(style->bar_high) && style->font_size >= 0 &&
+             style->font_size <= ISO_IMAGE_MAX && !style->bar_title[sizeof style->bar_title - 1];
     sound &= style->unit >= 0 && style->unit < ISO_UNITS;
     sound &= style->world_unit >= 0 && style->world_unit <= ISO_WORLD_UNIT_DEGREE;
     return sound && isfinite(style->view_angle) && isfinite(style->parallel_scale) &&

@@ -1,7 +1,7 @@
 /* key_file: key images in files (.isokeys): the pictures of the parts of a surface, which are merged into
  * the picture of the whole.
  *
- * The bytes, little-endian: "ISOKEYS\n", the version (uint32: 5), the number of bytes of the header
+ * The bytes, little-endian: "ISOKEYS\n", the version (uint32: 6), the number of bytes of the header
  * (uint32), the header, the keys, and the CRC-32C of everything before (uint32). The keys are runs of
  * pixels from the top left, row by row: the number of empty pixels (uint32), the number of pixels with a
  * key after them (uint32), and their keys (uint64). */

@@ -114,12 +114,18 @@ iso_status iso_render_key_style(const iso_key_style *style, const iso_transform 
                                    .pool = pool};
     const iso_merged_keys keys = {
         (iso_method)style->method, style->base, *transform, {dims[0], dims[1], dims[2]}, image};
+    iso_color_bar bar = {
+        .map = (iso_colormap)style->colormap, .low = style->bar_low, .high = style->bar_high};
+    memcpy(bar.title, style->bar_title, sizeof bar.title);
     const iso_annotation annotation = {
         .camera = &camera,
+        .font_size = style->font_size,
         .lengths = {(iso_length_unit)style->unit, (iso_world_unit)style->world_unit},
         .scale_bar = style->scale_bar != 0,
         .orientation_marker = style->orientation_marker != 0,
         .anatomical = style->anatomical != 0,
+        .color_bars = &bar,
+        .color_bar_count = style->color_bar,
         .dark = iso_is_dark(background, style->transparent != 0),
         .under = picture,
         .background = background};

@@ -47,3 +47,20 @@ iso_status iso_label_colors_paint(const iso_label_colors *colors, int surface, c
     iso_parallel_for(pool, tasks, paint_rows, (void *)&p);
     return ISO_OK;
 }
+
+iso_label_painter iso_label_painter_make(const iso_label_colors *colors) {
+    const iso_hgrid *grid = iso_label_fields_grid(colors->fields, colors->group);
+    return (iso_label_painter){colors, iso_transform_affine(&grid->transform)};
+}
+
+/* iso_surface_colors.at. */
+static iso_rgb color_of_place(const void *context, const iso_colored_point *point, size_t *near) {
+    (void)near;
+    const iso_label_painter *p = context;
+    const iso_vec3 place = iso_affine_point_to_index(&p->affine, point->place);
+    return p->colors->colors[iso_label_fields_at(p->colors->fields, p->colors->group, place)];
+}
+
+iso_surface_colors iso_label_painter_colors(const iso_label_painter *painter) {
+    return (iso_surface_colors){color_of_place, painter};
+}

@@ -7,7 +7,7 @@
 #include "grids/labels/label_fields.h"
 #include "image/image.h"
 #include "render/view/gbuffer.h"
-#include "render/view/project.h"
+#include "render/view/surface_colors.h"
 
 /* All pointers are borrowed. */
 typedef struct iso_label_colors {
@@ -21,5 +21,14 @@ typedef struct iso_label_colors {
  * gbuffer has elements. The same bytes with every number of threads. `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_label_colors_paint(const iso_label_colors *colors, int surface, const iso_view *view,
                                   iso_gbuffer *gbuffer, iso_pool *pool, iso_error *error);
+
+/* The colours of the surface's places, for its layers. */
+typedef struct iso_label_painter {
+    const iso_label_colors *colors; /* borrowed */
+    iso_affine affine;              /* of the level set */
+} iso_label_painter;
+iso_label_painter iso_label_painter_make(const iso_label_colors *colors);
+/* Borrows the painter. */
+iso_surface_colors iso_label_painter_colors(const iso_label_painter *painter);
 
 #endif

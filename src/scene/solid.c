@@ -46,7 +46,7 @@ iso_status iso_solid_make(iso_grid *grid, const iso_solid_opts *opts, double *is
 iso_status iso_solid_weld(const iso_mesh_view *mesh, const iso_solid_mesh_opts *opts, iso_weld *weld,
                           iso_error *error) {
     iso_status status = ISO_OK;
-    ISO_TRY(iso_mesh_weld(mesh, NULL, weld, error));
+    ISO_TRY(iso_mesh_weld(mesh, opts->pool, weld, error));
     /* Caps lie this far outside the volume, so that they are flat. */
     if (opts->closed) iso_weld_separate(mesh, ISO_CLOSED_TOLERANCE, weld);
     if (opts->edits) status = iso_weld_edit(weld, &mesh->transform, opts->edits, error);

@@ -27,7 +27,7 @@ count=0 isovalue=500
 same() {
     options="$* --quiet --resolution 150x120 --isovalue $isovalue --fit box --no-index"
     isorender $options -o whole.png
-    isorender $(sed -E 's/--window [^ ]+//; s/--slice [^ ]+//g; s/--opacity 0//' <<<"$options") -o plain.png --cap none
+    isorender $(sed -E 's/--window [^ ]+//; s/--slice [^ ]+//g; s/--opacity 0//; s/--color-bar[^ ]*//' <<<"$options") -o plain.png --cap none
     if cmp -s whole.png plain.png; then echo "no cap: $*"; exit 1; fi
     for side in 16 20 48; do
         isorender $options -o chunks.png --chunk-size $side --threads $((side / 8 - 1))
@@ -67,6 +67,14 @@ same in/v.mha --slice 50,47,45:-.3,-.7,.4 --window 900,800 --orthographic --azim
 same in/v.mha --clip 'x<30' --clip 'y<20' --cap red --slice 50,47,45:-.3,-.7,.4 --slice z=60
 same $w --slice z=16 --slice z=17 --opacity 0 --camera top --orthographic
 same $w --slice camera:20 --opacity 0 --azimuth 30
-[ $count = 22 ]
+same in/v.mha --clip 'y<40' --cap slice:viridis --color-bar --samples 1
+same in/v.mha --slice axial --window 900,800 --color-bar=MR --orthographic --scale-bar --font-size 9
+[ $count = 24 ]
+# parts whose bars differ are no parts of one picture
+for k in 1 2; do
+    isorender in/v.mha --slice axial --window 900,${k}00 --color-bar --part $k/2 -o bar$k.isokeys --quiet
+done
+refuses 3 "bar2.isokeys.*of another picture" isorender merge bar1.isokeys bar2.isokeys -o bad.png
 refuses 2 "opacity cannot be drawn in chunks" isorender in/v.mha bad.png --opacity .5 --chunk-size 16
-refuses 2 "color-bar cannot be combined with --part" isorender in/v.mha --clip 'y<2' --cap slice --color-bar --part 1/2 -o bad.isokeys
+refuses 2 "2 names for 1 bar" isorender in/v.mha --clip 'y<2' --cap slice '--color-bar=a;b' --part 1/2 -o bad.isokeys --quiet
+refuses 2 "none of them is given" isorender in/v.mha --color-bar --part 1/2 -o bad.isokeys --quiet

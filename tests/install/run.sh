@@ -79,8 +79,8 @@ fi
 
 # ---- the public headers are installed, and each compiles alone as C and as C++
 (cd "$root/include" && echo *) >"$work/headers"
-[ "$(cat "$work/headers")" = "isopoint.h isopoint_clouds.h isopoint_figures.h isopoint_lines.h isopoint_parts.h isopoint_sculpt.h" ] || fail "installed headers: $(cat "$work/headers")"
-printf '#include <%s>\n' isopoint_sculpt.h isopoint_parts.h isopoint_lines.h isopoint_figures.h isopoint_clouds.h isopoint.h >"$work/alone.c"
+[ "$(cat "$work/headers")" = "isopoint.h isopoint_clouds.h isopoint_figures.h isopoint_lines.h isopoint_meshes.h isopoint_parts.h isopoint_sculpt.h" ] || fail "installed headers: $(cat "$work/headers")"
+printf '#include <%s>\n' isopoint_sculpt.h isopoint_parts.h isopoint_meshes.h isopoint_lines.h isopoint_figures.h isopoint_clouds.h isopoint.h >"$work/alone.c"
 for language in c:-std=c17 c++:-std=c++17; do
     ${CC:-cc} -x ${language%%:*} ${language#*:} -pedantic -Wall -Wextra -Werror -fsyntax-only -I"$root/include" "$work/alone.c" \
         2>"$work/err" || fail "${language%%:*}: $(head -n 3 "$work/err")"

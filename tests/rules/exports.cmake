@@ -2,7 +2,7 @@
 # Usage: cmake -DROOT=... -DNM=... -DLIBRARY=... -P exports.cmake
 cmake_minimum_required(VERSION 3.25)
 file(READ ${ROOT}/src/isopoint.h header)
-foreach(chapter clouds figures lines parts sculpt)
+foreach(chapter clouds figures lines meshes parts sculpt)
     file(READ ${ROOT}/src/isopoint_${chapter}.h text)
     string(APPEND header "${text}")
 endforeach()

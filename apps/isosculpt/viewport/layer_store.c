@@ -115,11 +115,14 @@ static iso_status end_list(isosculpt_layer_store *store, iso_status status, iso_
     return status;
 }
 
-iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const iso_exact *exact, iso_rgb color,
+iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const isosculpt_layer_surface *surface,
                                       const iso_view *view, iso_pool *pool, iso_error *error) {
     const iso_gbuffer size = {.width = view->width, .height = view->height};
     const iso_strip strip = {.view = view, .gbuffer = &size, .factor = 1};
-    const iso_exact_layer layer = {exact, color, {.opacity = (float)LISTED_OPACITY}, NULL, NULL};
+    const iso_surface_colors colors =
+        surface->labels ? iso_label_painter_colors(surface->labels) : (iso_surface_colors){.at = NULL};
+    const iso_exact_layer layer = {
+        surface->exact, surface->color, {.opacity = (float)LISTED_OPACITY}, NULL, colors.at ? &colors : NULL};
     const iso_exact_layers_reader reader = {.shaded = true, .read = store_band, .context = store};
     const iso_exact_layers layers = {
         .layers = &layer, .count = 1, .picture = {.strip = &strip, .pool = pool}, .reader = &reader};
@@ -179,14 +182,18 @@ static void store_front_row(void *context, size_t y, int worker) {
 
 /* The surface or the sets of shapes to list. */
 typedef struct front_subject {
-    const iso_exact *exact; /* NULL: shapes */
+    const isosculpt_layer_surface *surface; /* NULL: shapes */
     const iso_shapes *const *sets;
     int count;
-    iso_rgb color;
+    iso_rgb color; /* of shapes */
 } front_subject;
 
 static iso_status draw_front(const front_subject *subject, iso_target *target, iso_error *error) {
-    if (subject->exact) return iso_draw_exact(target, subject->exact, error);
+    const isosculpt_layer_surface *surface = subject->surface;
+    if (surface) ISO_TRY(iso_draw_exact(target, surface->exact, error));
+    if (surface && surface->labels)
+        return iso_label_colors_paint(surface->labels->colors, 0, target->view, target->gbuffer, target->pool,
+                                      error);
     for (int i = 0; i < subject->count; i++) {
         target->surface = (uint8_t)i;
         ISO_TRY(iso_draw_shapes(target, subject->sets[i], NULL, error));
@@ -198,8 +205,12 @@ static iso_status list_front(isosculpt_layer_store *store, const front_subject *
                              iso_pool *pool, iso_error *error) {
     const iso_translucency translucency = {.opacity = (float)LISTED_OPACITY};
     iso_gbuffer gbuffer;
-    front_pass pass = {store,          view,           &gbuffer, iso_layer_opacity_make(&translucency),
-                       subject->color, !subject->exact};
+    front_pass pass = {store,
+                       view,
+                       &gbuffer,
+                       iso_layer_opacity_make(&translucency),
+                       subject->surface ? subject->surface->color : subject->color,
+                       !subject->surface};
     ISO_TRY(begin_list(store, view, error));
     iso_status status = iso_gbuffer_create(view->width, view->height, &gbuffer, error);
     if (status != ISO_OK) return end_list(store, status, error);
@@ -211,10 +222,10 @@ static iso_status list_front(isosculpt_layer_store *store, const front_subject *
     return end_list(store, status, error);
 }
 
-iso_status isosculpt_layer_store_list_front(isosculpt_layer_store *store, const iso_exact *exact,
-                                            iso_rgb color, const iso_view *view, iso_pool *pool,
-                                            iso_error *error) {
-    const front_subject subject = {.exact = exact, .color = color};
+iso_status isosculpt_layer_store_list_front(isosculpt_layer_store *store,
+                                            const isosculpt_layer_surface *surface, const iso_view *view,
+                                            iso_pool *pool, iso_error *error) {
+    const front_subject subject = {.surface = surface};
     return list_front(store, &subject, view, pool, error);
 }
 

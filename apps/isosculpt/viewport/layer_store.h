@@ -5,6 +5,7 @@
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_LAYER_STORE_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_LAYER_STORE_H
 
+#include "scene/label_colors.h"
 #include "scene/layered_picture.h"
 
 /* A layer behind a sample, in 12 bytes. */
@@ -32,16 +33,23 @@ typedef struct isosculpt_layer_store {
     bool full;         /* layers were left out: there was no memory, or most_bytes was reached */
 } isosculpt_layer_store;
 
+/* A surface; all is borrowed. */
+typedef struct isosculpt_layer_surface {
+    const iso_exact *exact; /* up to date */
+    iso_rgb color;
+    const iso_label_painter *labels; /* which have colours of their own; NULL: it has `color` */
+} isosculpt_layer_surface;
+
 /* Lists the layers of the surface in a view, except those behind 60 or more others. Old layers are freed
- * first. `exact` must be up to date. ISO_ERR_NOMEM: out of memory, or more than most_bytes; nothing is stored
+ * first. ISO_ERR_NOMEM: out of memory, or more than most_bytes; nothing is stored
  * then. */
-iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const iso_exact *exact, iso_rgb color,
+iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const isosculpt_layer_surface *surface,
                                       const iso_view *view, iso_pool *pool, iso_error *error);
 /* Lists only the front layer of the surface. This takes a fraction of the time, because cells behind others
  * are skipped. */
-iso_status isosculpt_layer_store_list_front(isosculpt_layer_store *store, const iso_exact *exact,
-                                            iso_rgb color, const iso_view *view, iso_pool *pool,
-                                            iso_error *error);
+iso_status isosculpt_layer_store_list_front(isosculpt_layer_store *store,
+                                            const isosculpt_layer_surface *surface, const iso_view *view,
+                                            iso_pool *pool, iso_error *error);
 /* Lists the front-most shapes of `count` (at most 255) sets of lines and glyphs. `color`: for shapes without
  * colours of their own. */
 iso_status isosculpt_layer_store_list_shapes(isosculpt_layer_store *store, const iso_shapes *const *sets,

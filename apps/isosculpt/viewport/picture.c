@@ -371,8 +371,8 @@ static bool has_other_reference(const isosculpt_viewport *viewport, bool moving)
     const isosculpt_reference_mode now = shown_reference(viewport), *drawn = &viewport->drawn_reference_mode;
     if (!moving && isosculpt_reference_is_coarse(viewport)) return true;
     if (!now.shown && !drawn->shown) return false;
-    return now.shown != drawn->shown || now.over != drawn->over || now.opacity != drawn->opacity ||
-           !iso_rgb_equal(now.color, drawn->color);
+    return now.shown != drawn->shown || now.over != drawn->over || now.labels != drawn->labels ||
+           now.opacity != drawn->opacity || !iso_rgb_equal(now.color, drawn->color);
 }
 
 /* Shades the samples of an exact picture again, and blends the reference over it. */

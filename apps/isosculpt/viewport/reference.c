@@ -1,6 +1,7 @@
 /* The reference in a viewport's pictures: decides when its layers are listed, and how they are blended. */
 #include "apps/isosculpt/viewport/reference.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "apps/isosculpt/viewport/layer_store.h"
@@ -25,8 +26,10 @@ typedef enum listing { LIST_ALL, LIST_FRONT, LIST_NOTHING } listing;
 
 struct isosculpt_reference {
     /* A surface: */
-    iso_hgrid *grid;
-    iso_pool *pool; /* the pool that extracted the surface */
+    iso_hgrid *grid;                    /* owned, but by `labels` if there are some */
+    isosculpt_reference_labels *labels; /* owned; NULL: the surface has the colour of the mode */
+    iso_label_painter painter;          /* of them */
+    iso_pool *pool;                     /* the pool that extracted the surface */
     iso_exact *exact;
     /* Lines and glyphs; set_count 0: the reference is a surface. */
     isosculpt_reference_shapes sets[ISOSCULPT_REFERENCE_SHAPES];
@@ -79,6 +82,31 @@ iso_status isosculpt_reference_create(iso_hgrid *grid, int threads, isosculpt_re
     return status;
 }
 
+void isosculpt_reference_labels_free(isosculpt_reference_labels *labels) {
+    if (!labels) return;
+    iso_segmentation_free(&labels->segmentation);
+    iso_pool_destroy(labels->pool);
+    free(labels);
+}
+
+iso_status isosculpt_reference_create_labels(isosculpt_reference_labels *labels, int threads,
+                                             isosculpt_reference **out, iso_error *error) {
+    isosculpt_reference *reference = make_reference(error);
+    if (!reference) {
+        isosculpt_reference_labels_free(labels);
+        return ISO_ERR_NOMEM;
+    }
+    reference->labels = labels;
+    reference->grid = iso_label_fields_grid(labels->segmentation.fields, 1);
+    reference->painter = iso_label_painter_make(&labels->segmentation.shared);
+    const iso_status status = extract(reference, threads, error);
+    if (status == ISO_OK)
+        *out = reference;
+    else
+        isosculpt_reference_destroy(reference);
+    return status;
+}
+
 void isosculpt_reference_shapes_free(isosculpt_reference_shapes *shapes) {
     iso_shapes_destroy(shapes->shapes);
     iso_object_file_free(&shapes->file);
@@ -103,7 +131,8 @@ void isosculpt_reference_destroy(isosculpt_reference *reference) {
     isosculpt_layer_store_free(&reference->fine);
     iso_exact_destroy(reference->exact);
     iso_pool_destroy(reference->pool);
-    iso_hgrid_destroy(reference->grid);
+    if (!reference->labels) iso_hgrid_destroy(reference->grid);
+    isosculpt_reference_labels_free(reference->labels);
     iso_free(reference);
 }
 
@@ -150,8 +179,9 @@ static iso_status list_in(const isosculpt_viewport *viewport, isosculpt_layer_st
     if (r->set_count)
         return isosculpt_layer_store_list_shapes(store, sets, r->set_count, color, view, viewport->pool,
                                                  error);
+    const isosculpt_layer_surface surface = {r->exact, color, r->labels ? &r->painter : NULL};
     return (what == LIST_ALL ? isosculpt_layer_store_list : isosculpt_layer_store_list_front)(
-        store, r->exact, color, view, viewport->pool, error);
+        store, &surface, view, viewport->pool, error);
 }
 
 static iso_status list_kept(isosculpt_viewport *viewport, int factor, listing what, iso_error *error) {

@@ -1,6 +1,6 @@
 /* reference: the reference that is drawn together with the sculpture: a translucent surface (x-ray), which is
- * either the sculpture's surface at the beginning of the session or that of a file, or lines and glyphs of
- * files. It is shown whole, or only where it lies in front of the sculpture. Picking ignores it.
+ * either the sculpture's surface at the beginning of the session, that of a file or that of other labels, or
+ * lines and glyphs of files. It is shown whole, or only where it lies in front of the sculpture. Picking ignores it.
  *
  * Its layers are listed once for each camera and kept (layer_store.h); after a stroke they are blended again
  * only where the picture changed. While the camera moves they are listed for fewer samples or, if this takes
@@ -11,6 +11,8 @@
 
 #include "apps/isosculpt/viewport/viewport.h"
 #include "scene/object_file.h"
+#include "scene/segmentation.h"
+#include "source/source.h"
 
 /* Largest memory for kept layers, in bytes. */
 enum { ISOSCULPT_REFERENCE_BYTES = 512 << 20 };
@@ -19,6 +21,17 @@ enum { ISOSCULPT_REFERENCE_BYTES = 512 << 20 };
  * processor). ISO_ERR_NOMEM. */
 iso_status isosculpt_reference_create(iso_hgrid *grid, int threads, isosculpt_reference **reference,
                                       iso_error *error);
+
+/* Labels with one surface, group 1, each in its colour: allocated by calloc, as its parts borrow from it. */
+typedef struct isosculpt_reference_labels {
+    iso_segmentation segmentation;
+    char path[ISO_SOURCE_PATH], reading[ISO_JOURNAL_TEXT];
+    iso_pool *pool; /* owned; that of the segmentation */
+} isosculpt_reference_labels;
+void isosculpt_reference_labels_free(isosculpt_reference_labels *labels); /* NULL is fine */
+/* Takes over the labels, also after an error, and extracts their surface. ISO_ERR_NOMEM. */
+iso_status isosculpt_reference_create_labels(isosculpt_reference_labels *labels, int threads,
+                                             isosculpt_reference **reference, iso_error *error);
 
 /* Lines or glyphs of a file, and the shapes made of them. Zero-initialise. */
 typedef struct isosculpt_reference_shapes {

@@ -83,6 +83,7 @@ typedef struct isosculpt_reference_mode {
     bool shown;
     bool over;      /* the whole reference is seen through the sculpture; if false, only what lies in front of
                        it */
+    bool labels;    /* the other labels of the segmentation instead of the surface at the beginning */
     double opacity; /* where it is seen face on, 0 .. 1 */
     iso_rgb color;
 } isosculpt_reference_mode;

@@ -11,8 +11,20 @@
 #include "apps/isosculpt/look.h"
 #include "apps/isosculpt/window/reference.h"
 #include "base/file_types.h"
+#include "source/label.h"
 
 /* ---- the document and its viewport */
+
+/* The first label of a segmentation that is opened is shown among the others, unless another reference is
+ * asked for. */
+static void adopt_labels(window *w) {
+    isosculpt_reference_mode *mode = &w->viewport.reference_mode;
+    const bool had_labels = w->screen.has_labels, asked = w->settings->x_ray != ISOSCULPT_X_RAY_OFF ||
+                                                          w->settings->references.count || mode->shown;
+    w->screen.has_labels = !w->volume && iso_source_label(&w->document.start) > 0;
+    if (w->screen.has_labels && !had_labels && !asked) mode->shown = mode->labels = true;
+    if (!w->screen.has_labels && mode->labels) mode->shown = mode->labels = false;
+}
 
 /* Sets up controller and engine after document and viewport have been replaced. The brush keeps its size in
  * voxels. */
@@ -24,6 +36,7 @@ static void adopt_document(window *w) {
     isosculpt_controller_free(&w->controller);
     isosculpt_controller_init(&w->controller, &w->document, &w->viewport);
     isosculpt_window_sync_pointer(w);
+    adopt_labels(w);
     if (before > 0) {
         const iso_vec3 middle = w->controller.brush.mirror; /* the axes of symmetry belong to the previous
                                                                object */

@@ -28,9 +28,11 @@ static bool choose_look(isosculpt_reference_mode *mode) {
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x, place = 0.36f * ImGui::GetContentRegionAvail().x;
     bool changed = choose_place(mode, place);
     ImGui::SameLine(0, gap);
-    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - ImGui::GetFrameHeight() - gap);
+    const float square = mode->labels ? 0 : ImGui::GetFrameHeight() + gap; /* labels have colours */
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - square);
     changed |= ImGui::SliderScalar("##opacity", ImGuiDataType_Double, &mode->opacity, &least, &most,
                                    "opacity %.2f", ImGuiSliderFlags_AlwaysClamp);
+    if (mode->labels) return changed;
     ImGui::SameLine(0, gap);
     return panel_edit_color("##colour", &mode->color) || changed;
 }
@@ -47,15 +49,31 @@ static void draw_note(const isosculpt_screen *screen) {
         ImGui::SetTooltip("with the x-ray, the cpu engine draws the picture");
 }
 
+/* A checkbox of one of two references, of which one at most is shown. Returns whether it was clicked. */
+static bool choose_one(const char *name, const char *tip, bool labels, isosculpt_reference_mode *mode) {
+    bool shown = mode->shown && mode->labels == labels;
+    const bool changed = ImGui::Checkbox(name, &shown);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip);
+    if (!changed) return false;
+    mode->shown = shown;
+    mode->labels = labels;
+    return true;
+}
+
+/* The checkboxes of references that are made of the session's own file. */
+static bool choose_made(const isosculpt_screen *screen, isosculpt_reference_mode *mode) {
+    bool changed = choose_one("x-ray of the beginning",
+                              "R: the surface as it was when the session began, translucent", false, mode);
+    if (screen->has_labels)
+        changed |=
+            choose_one("other labels", "the segmentation's other labels, each in its colour", true, mode);
+    return changed;
+}
+
 /* The checkbox that shows the reference. Returns whether it was clicked. */
 static bool choose_shown(const isosculpt_screen *screen, isosculpt_reference_mode *mode) {
     const iso_texts *files = screen->references;
-    if (!files->count) {
-        const bool changed = ImGui::Checkbox("x-ray of the beginning", &mode->shown);
-        if (ImGui::IsItemHovered())
-            ImGui::SetTooltip("R: the surface as it was when the session began, translucent");
-        return changed;
-    }
+    if (!files->count) return choose_made(screen, mode);
     const char *slash = std::strrchr(files->values[0], '/');
     char label[80];
     if (files->count == 1)

@@ -17,12 +17,21 @@ static void fail(window *w, const char *reason) {
 }
 
 static void start(window *w) {
-    const isosculpt_reference_files files = {
-        .settings = w->settings, .voxel = w->voxel, .box = isosculpt_viewport_bounds(&w->viewport)};
+    w->reference_labels = w->viewport.reference_mode.labels;
+    const isosculpt_reference_files files = {.labels = w->reference_labels,
+                                             .settings = w->settings,
+                                             .voxel = w->voxel,
+                                             .box = isosculpt_viewport_bounds(&w->viewport)};
     iso_error reason = {0};
     if (isosculpt_reference_job_start(&w->document, &files, isosculpt_window_wake, &w->reference_job,
                                       &reason) != ISO_OK)
         fail(w, reason.text);
+}
+
+/* A segmentation of one label, such as a mask, has no others to be shown. */
+static void forget_labels(window *w) {
+    w->screen.has_labels = false;
+    w->viewport.reference_mode.shown = w->viewport.reference_mode.labels = false;
 }
 
 static void finish(window *w) {
@@ -37,6 +46,8 @@ static void finish(window *w) {
     }
     if (status == ISO_OK)
         isosculpt_viewport_set_reference(&w->viewport, reference);
+    else if (status == ISO_ERR_EMPTY && w->reference_labels)
+        forget_labels(w);
     else
         fail(w, reason.text);
     w->controller.commands |= ISOSCULPT_COMMAND_REDRAW;
@@ -46,6 +57,11 @@ void isosculpt_window_update_reference(window *w) {
     iso_error *reason = &w->viewport.reference_error;
     if (reason->text[0]) fail(w, reason->text);
     reason->text[0] = 0;
+    if (w->viewport.reference_mode.labels != w->reference_labels) { /* another one is wanted */
+        isosculpt_window_cancel_reference(w);
+        isosculpt_viewport_set_reference(&w->viewport, NULL);
+        w->reference_labels = w->viewport.reference_mode.labels;
+    }
     const bool wanted = w->viewport.reference_mode.shown && !w->volume && !w->screen.blank;
     if (w->reference_job && isosculpt_reference_job_done(w->reference_job)) finish(w);
     if (wanted && !w->viewport.reference && !w->reference_job) start(w);

@@ -53,6 +53,7 @@ typedef struct window {
     isosculpt_new next;                     /* what to begin with then instead; solid.size.x = 0: next_path */
     size_t agreed_changes;                  /* document.change_count that the user agreed to lose */
     isosculpt_reference_job *reference_job; /* the reference is being made; or NULL */
+    bool reference_labels;                  /* it is, or that of the viewport is, of the other labels */
     bool resampling;                        /* load_job plays the strokes in other voxels */
     bool sculpting;                         /* load_job converts the viewed volume into a field */
     isosculpt_freezing freezing;            /* of what was opened, by --freeze */

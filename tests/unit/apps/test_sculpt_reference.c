@@ -319,25 +319,17 @@ static void layers_are_those_of_exact(void **state) {
     iso_hgrid_destroy(ball);
 }
 
-/* The front layers are the first of all layers. */
-static void front_layers_are_the_first_ones(void **state) {
-    (void)state;
-    iso_hgrid *ball;
-    iso_exact *exact;
-    iso_camera camera = {.position = {3, -60, 9}, .view_up = {0, 0, 1}, .view_angle = 40};
-    const iso_exact_opts opts = {.isovalue = 0};
-    const iso_rgb color = {10, 200, 120};
+/* The front layers of a surface are the first of all its layers. Returns the bits of places where the colour
+ * is mostly red, and mostly blue. */
+static unsigned compare_fronts(const isosculpt_layer_surface *surface, iso_camera camera) {
     isosculpt_layer_store all = {.most_bytes = SIZE_MAX}, front = {.most_bytes = SIZE_MAX};
-    assert_int_equal(iso_session_solid(&VIEWPORT_START, &ball, NULL), ISO_OK);
-    const iso_grid grid = {.hgrid = ball};
-    assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
-    assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
+    unsigned seen = 0;
     for (int i = 0; i < 2; i++) {
         camera.orthographic = i;
         camera.parallel_scale = 18;
         const iso_view view = iso_view_make(&camera, WIDTH, HEIGHT);
-        assert_int_equal(isosculpt_layer_store_list(&all, exact, color, &view, NULL, NULL), ISO_OK);
-        assert_int_equal(isosculpt_layer_store_list_front(&front, exact, color, &view, NULL, NULL), ISO_OK);
+        assert_int_equal(isosculpt_layer_store_list(&all, surface, &view, NULL, NULL), ISO_OK);
+        assert_int_equal(isosculpt_layer_store_list_front(&front, surface, &view, NULL, NULL), ISO_OK);
         size_t layers = 0, differ = 0;
         for (int y = 0; y < HEIGHT; y++)
             for (int x = 0; x < WIDTH; x++) {
@@ -350,15 +342,63 @@ static void front_layers_are_the_first_ones(void **state) {
                                              *b = &front.rows[y].layers[begin_front];
                 layers++;
                 differ += fabsf(a->depth - b->depth) > 1e-3f || abs(a->slant - b->slant) > 1 ||
-                          abs(a->color[1] - b->color[1]) > 64;
+                          abs(a->color[1] - b->color[1]) > 64 || abs(a->color[2] - b->color[2]) > 64;
+                seen |= b->color[0] > 2 * b->color[2] ? 1 : b->color[2] > 2 * b->color[0] ? 2 : 0;
             }
         assert_true(layers > PIXELS / 10);
         assert_int_equal(differ, 0);
     }
     isosculpt_layer_store_free(&all);
     isosculpt_layer_store_free(&front);
+    return seen;
+}
+
+static void front_layers_are_the_first_ones(void **state) {
+    (void)state;
+    iso_hgrid *ball;
+    iso_exact *exact;
+    const iso_camera camera = {.position = {3, -60, 9}, .view_up = {0, 0, 1}, .view_angle = 40};
+    const iso_exact_opts opts = {.isovalue = 0};
+    assert_int_equal(iso_session_solid(&VIEWPORT_START, &ball, NULL), ISO_OK);
+    const iso_grid grid = {.hgrid = ball};
+    assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
+    assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
+    assert_int_equal(compare_fronts(&(isosculpt_layer_surface){exact, {10, 200, 120}, NULL}, camera), 2);
     iso_exact_destroy(exact);
     iso_hgrid_destroy(ball);
+}
+
+/* The same of a ball of two labels, red and blue, side by side. */
+static void layers_have_the_colors_of_labels(void **state) {
+    (void)state;
+    enum { SIDE = 32 };
+    static uint16_t numbers[SIDE * SIDE * SIDE];
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const int x = i % SIDE - 15, y = i / SIDE % SIDE - 15, z = i / SIDE / SIDE - 15;
+        numbers[i] = (uint16_t)(x * x + y * y + z * z < 144 ? x < 0 ? 1 : 2 : 0);
+    }
+    iso_label list[3] = {{.value = 0}, {.value = 4}, {.value = 9}};
+    const iso_labels labels = {.dims = {SIDE, SIDE, SIDE},
+                               .transform = iso_transform_identity(),
+                               .number = numbers,
+                               .label = list,
+                               .count = 3};
+    const iso_rgb rgb[3] = {{0, 255, 0}, {250, 20, 20}, {20, 20, 250}};
+    iso_label_fields *fields;
+    iso_exact *exact;
+    assert_int_equal(
+        iso_label_fields_make(&labels, (const uint8_t[]){0, 1, 1}, 1, ISO_LABELS_DRAWN, NULL, &fields, NULL),
+        ISO_OK);
+    const iso_grid grid = {.hgrid = iso_label_fields_grid(fields, 1)};
+    const iso_label_colors colors = {fields, list, 1, rgb};
+    const iso_label_painter painter = iso_label_painter_make(&colors);
+    const iso_camera camera = {
+        .position = {18, -60, 22}, .focal_point = {15, 15, 15}, .view_up = {0, 0, 1}, .view_angle = 40};
+    assert_int_equal(iso_exact_create(&grid, &(iso_exact_opts){.isovalue = 0}, &exact, NULL), ISO_OK);
+    assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
+    assert_int_equal(compare_fronts(&(isosculpt_layer_surface){exact, {0, 255, 0}, &painter}, camera), 3);
+    iso_exact_destroy(exact);
+    iso_label_fields_destroy(fields);
 }
 
 /* With too little room nothing is stored, and the next view is listed as if nothing had happened. */
@@ -376,11 +416,12 @@ static void room_is_bounded(void **state) {
     const iso_grid grid = {.hgrid = ball};
     assert_int_equal(iso_exact_create(&grid, &opts, &exact, NULL), ISO_OK);
     assert_int_equal(iso_exact_update(exact, NULL), ISO_OK);
-    assert_int_equal(isosculpt_layer_store_list(&store, exact, color, &view, NULL, &error), ISO_ERR_NOMEM);
+    const isosculpt_layer_surface surface = {.exact = exact, .color = color};
+    assert_int_equal(isosculpt_layer_store_list(&store, &surface, &view, NULL, &error), ISO_ERR_NOMEM);
     assert_non_null(strstr(error.text, "out of memory for layers"));
     assert_int_equal(store.width, 0);
     store.most_bytes = SIZE_MAX;
-    assert_int_equal(isosculpt_layer_store_list(&store, exact, color, &view, NULL, NULL), ISO_OK);
+    assert_int_equal(isosculpt_layer_store_list(&store, &surface, &view, NULL, NULL), ISO_OK);
     assert_true(store.width == WIDTH && store.bytes > 4 * PIXELS + 1000);
     isosculpt_layer_store_free(&store);
     iso_exact_destroy(exact);
@@ -441,6 +482,7 @@ int main(void) {
         cmocka_unit_test(what_is_unchanged_looks_unchanged),
         cmocka_unit_test(layers_are_those_of_exact),
         cmocka_unit_test(front_layers_are_the_first_ones),
+        cmocka_unit_test(layers_have_the_colors_of_labels),
         cmocka_unit_test(room_is_bounded),
         cmocka_unit_test(without_memory_the_reference_is_hidden),
         cmocka_unit_test(without_memory_shapes_are_hidden),
