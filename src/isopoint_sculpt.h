@@ -191,6 +191,16 @@ ISO_API iso_status iso_sculpt_edit(iso_sculpt *sculpt, unsigned number, const is
 ISO_API iso_status iso_sculpt_mute(iso_sculpt *sculpt, unsigned first, unsigned last, bool muted,
                                    iso_error *error);
 ISO_API iso_status iso_sculpt_delete(iso_sculpt *sculpt, unsigned first, unsigned last, iso_error *error);
+/* The samples of a stroke, which *samples points to until the strokes change, and their number; and as many
+ * others for it. ISO_ERR_USAGE: also another number of samples. */
+ISO_API iso_status iso_sculpt_get_path(iso_sculpt *sculpt, unsigned number, const iso_sample **samples,
+                                       size_t *count, iso_error *error);
+ISO_API iso_status iso_sculpt_set_path(iso_sculpt *sculpt, unsigned number, const iso_sample *samples,
+                                       size_t count, iso_error *error);
+/* Reseats strokes when edits of earlier ones have moved the surface from under them: each sample is moved
+ * along its normal by as much as the surface there has moved since the stroke got its samples. The journal
+ * gets the places. */
+ISO_API iso_status iso_sculpt_reseat(iso_sculpt *sculpt, unsigned first, unsigned last, iso_error *error);
 /* `before`: the number of the stroke that they are drawn before; 0: they are drawn last. */
 ISO_API iso_status iso_sculpt_move(iso_sculpt *sculpt, unsigned first, unsigned last, unsigned before,
                                    iso_error *error);

@@ -198,6 +198,35 @@ class Sculpt:
         with self.volume._lock:
             call(lib.iso_sculpt_move, self._handle, first, last or first, before)
 
+    def path(self, number: int) -> "tuple[np.ndarray, np.ndarray]":
+        """The positions and normals of a past stroke, (n, 3) each, mm."""
+        at, count = ffi.new("const iso_sample **"), ffi.new("size_t *")
+        with self.volume._lock:
+            call(lib.iso_sculpt_get_path, self._handle, number, at, count)
+            numbers = np.frombuffer(bytes(ffi.buffer(at[0], count[0] * ffi.sizeof("iso_sample"))), float).reshape(-1, 8)
+        return numbers[:, :3].copy(), numbers[:, 3:6].copy()
+
+    def set_path(self, number: int, positions: Any, normals: Any = None) -> None:
+        """Moves the path of a past stroke: as many positions as it has, and normals (None: it keeps its own)."""
+        positions = np.asarray(positions, float)
+        at, count = ffi.new("const iso_sample **"), ffi.new("size_t *")
+        with self.volume._lock:
+            call(lib.iso_sculpt_get_path, self._handle, number, at, count)
+            if positions.shape != (count[0], 3):
+                raise usage(f"stroke {number} has {count[0]} positions, not {positions.shape}")
+            samples = ffi.new("iso_sample[]", count[0])
+            ffi.memmove(samples, at[0], count[0] * ffi.sizeof("iso_sample"))
+            numbers = np.frombuffer(ffi.buffer(samples), float).reshape(-1, 8)
+            numbers[:, :3] = positions
+            if normals is not None:
+                numbers[:, 3:6] = normals
+            call(lib.iso_sculpt_set_path, self._handle, number, samples, count[0])
+
+    def reseat(self, first: int, last: Optional[int] = None) -> None:
+        """Moves strokes along with the surface that edits of earlier strokes have moved from under them."""
+        with self.volume._lock:
+            call(lib.iso_sculpt_reseat, self._handle, first, last or first)
+
     def freeze(self, volume: Volume, isovalue: float) -> None:
         """Freezes the voxels in the solid that a volume has at an isovalue, as a stroke of its own, which can be undone; a
         stroke file keeps where they are."""

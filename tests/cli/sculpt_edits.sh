@@ -15,7 +15,24 @@ s.write("acb.strokes", a + c + b)
 s.write("undone.strokes", a + b + c + [{"event": "mute", "stroke": 1, "last": 3}, {"event": "undo"}, {"event": "delete", "stroke": 2}])
 s.write("before.strokes", a + c + [{**b[0], "before": 2}] + b[1:])
 s.write("group.strokes", a + b + [{"event": "group", "stroke": 1, "last": 2, "group": "ears"}])
-for name, event in {"none": {"event": "mute", "stroke": 9}, "zero": {"event": "delete", "stroke": 0},
+s.write("moved.strokes", a + [{**b[0], "at": [0.0, 3.0, 20.0]}] + [{**b[1], "at": [0.0, 9.0, 21.0]}] + b[2:] + c)
+sample = [0.0, 3.0, 20.0, 0.0, 0.0, 1.0, 1.0, 0.1]
+path = [sample, [0.0, 9.0, 21.0] + sample[3:]]
+s.write("path.strokes", a + b + c + [{"event": "path", "stroke": 2, "path": path}])
+s.write("reseated.strokes", a + b + c + [{"event": "reseat", "stroke": 2, "last": 2, "path": path}])
+s.write("grouped.strokes", a + b + c + [{"event": "group", "stroke": 2, "group": "ears"}, {"event": "move", "group": "ears"}])
+bad_paths = {"path-none": [], "path-short": [sample], "path-number": 3, "path-flat": sample, "path-seven": [sample[:7]] * 2,
+             "path-text": [sample[:7] + ["1"], sample], "path-far": [[1e300] + sample[1:], sample], "path-null": None,
+             "path-pressure": [sample, sample[:6] + [2.0, 0.0]], "path-long": path * 9}
+for name, event in {**{name: {"event": "path", "stroke": 2, "path": value} for name, value in bad_paths.items()},
+                    "path-range": {"event": "path", "stroke": 1, "last": 2, "path": path}, "path-missing": {"event": "path", "stroke": 2},
+                    "path-group": {"event": "path", "group": "ears", "path": path}, "reseat-missing": {"event": "reseat", "stroke": 2, "last": 3},
+                    "reseat-short": {"event": "reseat", "stroke": 1, "last": 3, "path": path},
+                    "reseat-group": {"event": "reseat", "group": "ears", "path": path},
+                    "group-none": {"event": "mute", "group": "ears"}, "group-empty": {"event": "mute", "group": ""},
+                    "group-number": {"event": "delete", "group": 7}, "group-edit": {"event": "edit", "group": "ears", "brush": s.brush()},
+                    "group-group": {"event": "group", "group": "ears"}, "group-long": {"event": "mute", "group": "x" * 1024},
+                    "none": {"event": "mute", "stroke": 9}, "zero": {"event": "delete", "stroke": 0},
                     "backwards": {"event": "mute", "stroke": 3, "last": 1}, "huge": {"event": "unmute", "stroke": 1, "last": 1 << 60},
                     "itself": {"event": "move", "stroke": 1, "last": 2, "before": 2}, "brush": {"event": "edit", "stroke": 1},
                     "radius": {"event": "edit", "stroke": 1, "brush": s.brush(radius=-1.0)},
@@ -41,6 +58,32 @@ play abc moved --move 2:end
 cmp moved.ply acb.ply
 play acb back --move 3:2
 cmp back.ply abc.ply
+# another path, and groups
+for name in moved path reseated grouped; do play $name $name; done
+cmp moved.ply path.ply
+cmp moved.ply reseated.ply
+cmp grouped.ply acb.ply
+play abc named --group 2:ears --move ears:end --save-strokes named.strokes
+cmp named.ply acb.ply
+grep -q '"event":"move","group":"ears","crc"' named.strokes
+play named named2 --unmute ears --edit ears:radius=7 --move ears:3
+cmp named2.ply wide.ply
+play abc none --mute 1 --group 2:a:b --group 3:a:b --delete a:b --unmute 1-3 --json=none.json
+grep -q '"stroke_list": \[' none.json && ! grep -q '"stroke": 2' none.json
+# reseated strokes follow the surface, headless as in the file that this writes; what has not moved stays
+play abc reseat --edit 1:radius=3 --reseat 2-3 --save-strokes reseat.strokes
+play reseat reseat2
+cmp reseat.ply reseat2.ply
+grep -q '"event":"reseat","stroke":2,"last":3,"path":\[\[' reseat.strokes
+play abc floating --edit 1:radius=3
+! cmp -s reseat.ply floating.ply
+play abc still --reseat 1-3
+cmp still.ply abc.ply
+for wrong in "--reseat ears" "--mute ears" "--edit ears:radius=2" "--reseat 7-9" "--reseat 1:2"; do
+    code=0
+    isosculpt --replay abc.strokes --headless --quiet $wrong --output wrong.ply 2>message || code=$?
+    [ "$code" != 0 ] && [ "$(wc -l <message)" = 1 ] && [ ! -e wrong.ply ] || { echo "$wrong: $code"; cat message; exit 1; }
+done
 # radial symmetry: given afterwards, it is that of a file that has it
 python3 - <<'P'
 import strokes as s

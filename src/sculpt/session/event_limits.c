@@ -58,5 +58,7 @@ static iso_status check_sample(const iso_sample *sample, const iso_journal_start
 iso_status iso_limits_event(const iso_event *event, const iso_journal_start *start, iso_error *error) {
     if (event->kind == ISO_EVENT_BEGIN || event->kind == ISO_EVENT_EDIT)
         ISO_TRY(check_brush(&event->brush, start->voxel_size, error));
+    for (size_t i = 0; iso_event_has_path(event->kind) && i < event->path_count; i++)
+        ISO_TRY(check_sample(&event->path[i], start, error));
     return event->kind <= ISO_EVENT_SAMPLE ? check_sample(&event->sample, start, error) : ISO_OK;
 }

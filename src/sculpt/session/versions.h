@@ -34,9 +34,26 @@ iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, is
                                iso_error *error);
 void iso_versions_destroy(iso_versions *versions); /* NULL is fine */
 
-/* Draws a list. Errors: those of touches; ISO_ERR_IO: cancelled. The versions are as before then. */
+/* Called for each stroke at its place in the list, before it is drawn; not for muted ones. It may give the
+ * stroke other samples. */
+typedef iso_status iso_versions_visit(void *context, iso_versions *versions, iso_stroke *stroke,
+                                      iso_error *error);
+typedef struct iso_versions_visitor {
+    iso_versions_visit *visit;
+    void *context;
+} iso_versions_visitor;
+
+/* Draws a list. visitor: NULL, or whom it is shown to. Errors: those of touches and of visits; ISO_ERR_IO:
+ * cancelled. The versions are as before then. */
 iso_status iso_versions_update(iso_versions *versions, const iso_stroke_list *list,
-                               const iso_progress *progress, iso_error *error);
+                               const iso_versions_visitor *visitor, const iso_progress *progress,
+                               iso_error *error);
+
+/* During a visit: the distance, in mm along a sample's normal, from the sample to the surface as it is before
+ * the stroke: to where that turns from the inside to the outside, the nearest such place ahead or behind.
+ * NAN: there is none within a quarter of the grid. ISO_ERR_NOMEM. */
+iso_status iso_versions_cast(iso_versions *versions, const iso_sample *sample, double *distance,
+                             iso_error *error);
 
 /* The cells in which the result of the last update differs from that of the update before it: each has a new
  * brick or entry, or a new item. `state` of the field: 0 (a brick), ISO_CELL_OUTSIDE or ISO_CELL_INSIDE; of
