@@ -1,7 +1,7 @@
 /* stroke_list: the strokes of a session, which stay editable. The log holds the strokes and the edits of
- * strokes (events ISO_EVENT_EDIT to ISO_EVENT_RESEAT) in the order in which they were made; the list that they
- * resolve to is what the field is made of: the field is always that of a fresh session in which the strokes
- * of the list are drawn one after the other. Internal to sculpt, except iso_stroke_list. */
+ * strokes (events ISO_EVENT_EDIT to ISO_EVENT_RESEAT) in the order in which they were made; the list that
+ * they resolve to is what the field is made of: the field is always that of a fresh session in which the
+ * strokes of the list are drawn one after the other. Internal to sculpt, except iso_stroke_list. */
 #ifndef ISO_SCULPT_SESSION_STROKE_LIST_H
 #define ISO_SCULPT_SESSION_STROKE_LIST_H
 
