@@ -81,7 +81,8 @@ static const iso_option options[] = {
      "before the result is written, give strokes of --replay another brush; STROKES is a number or two (12 "
      "or 30-40, counted from 1 as they begin) or a group's name, KEY is tool, shape, falloff, radius, "
      "strength, aspect, blend, "
-     "spacing, color (#RRGGBB, or none), symmetry (xz), radial (6z: six images around z), alpha (fixed or "
+     "spacing, color (#RRGGBB, or none), symmetry (xz), radial (6z: six images around z), repeat "
+     "(8x5/0/0: eight images, 5 mm apart along x; with three rows of them 8x5/0/0+3x0/5/0), alpha (fixed or "
      "follows), mirror (X/Y/Z, a "
      "point of the planes and the axis), pressure-radius or pressure-strength (on); these edits are made in "
      "the order in which they are given",

@@ -59,6 +59,29 @@ static iso_status parse_radial(const char *text, iso_brush *brush, iso_error *er
     return ISO_OK;
 }
 
+/* NxX/Y/Z, which +MxX/Y/Z may follow for rows; none. */
+static iso_status parse_repeat(const char *text, iso_brush *brush, iso_error *error) {
+    const char *at = text;
+    brush->repeat[0] = brush->repeat[1] = 0;
+    if (strcmp(text, "none") == 0) return ISO_OK;
+    for (int i = 0; i < 2; i++) {
+        iso_vec3 *by = &brush->repeat_by[i];
+        int used = 0;
+        const bool digit = *at >= '0' && *at <= '9';
+        const int found =
+            digit ? sscanf(at, "%3ux%lf/%lf/%lf%n", &brush->repeat[i], &by->x, &by->y, &by->z, &used) : 0;
+        if (found != 4 || (at[used] && (at[used] != '+' || i)))
+            return iso_fail(
+                error, ISO_ERR_USAGE,
+                "repeat: '%s' is neither NxX/Y/Z, a number of images and how far each is moved in "
+                "mm (8x5/0/0; with rows 8x5/0/0+3x0/5/0), nor none",
+                text);
+        if (!at[used]) return ISO_OK;
+        at += used + 1;
+    }
+    return ISO_OK;
+}
+
 /* Three coordinates, mm. (Commas separate the changes of a brush.) */
 static iso_status parse_mirror(const char *text, iso_vec3 *mirror, iso_error *error) {
     int used = 0;
@@ -98,13 +121,14 @@ static iso_status change_brush(const char *key, const char *value, iso_brush *br
     if (strcmp(key, "alpha") == 0) return iso_alpha_find(value, &brush->alpha, error);
     if (strcmp(key, "mirror") == 0) return parse_mirror(value, &brush->mirror, error);
     if (strcmp(key, "radial") == 0) return parse_radial(value, brush, error);
+    if (strcmp(key, "repeat") == 0) return parse_repeat(value, brush, error);
     if (strcmp(key, "pressure-radius") == 0) return parse_switch(key, value, &brush->pressure_radius, error);
     if (strcmp(key, "pressure-strength") == 0)
         return parse_switch(key, value, &brush->pressure_strength, error);
     return iso_fail(
         error, ISO_ERR_USAGE,
         "'%s' is none of tool, shape, falloff, radius, strength, aspect, blend, spacing, color, symmetry, "
-        "mirror, radial, alpha, pressure-radius, pressure-strength",
+        "mirror, radial, repeat, alpha, pressure-radius, pressure-strength",
         key);
 }
 

@@ -29,6 +29,11 @@ for name, event in {**{name: {"event": "path", "stroke": 2, "path": value} for n
                     "path-group": {"event": "path", "group": "ears", "path": path}, "reseat-missing": {"event": "reseat", "stroke": 2, "last": 3},
                     "reseat-short": {"event": "reseat", "stroke": 1, "last": 3, "path": path},
                     "reseat-group": {"event": "reseat", "group": "ears", "path": path},
+                    **{"repeat-%d" % i: {"event": "edit", "stroke": 1, "brush": s.brush(**members)} for i, members in enumerate([
+                        {"repeat": [3, 0]}, {"repeat_by": [[1.0] * 3] * 2}, {"repeat": 3, "repeat_by": [1.0] * 3}, {"repeat": [3, 0], "repeat_by": [[0.0] * 3] * 2},
+                        {"repeat": [3, 1 << 40], "repeat_by": [[1.0] * 3] * 2}, {"repeat": [-3, 1], "repeat_by": [[1.0] * 3] * 2},
+                        {"repeat": [3, 1], "repeat_by": [[1e300] * 3] * 2}, {"repeat": [256, 256], "repeat_by": [[1.0] * 3] * 2},
+                        {"repeat": [3, "1"], "repeat_by": [[1.0] * 3] * 2}, {"repeat": [3, 1], "repeat_by": [[1.0] * 3]}])},
                     "group-none": {"event": "mute", "group": "ears"}, "group-empty": {"event": "mute", "group": ""},
                     "group-number": {"event": "delete", "group": 7}, "group-edit": {"event": "edit", "group": "ears", "brush": s.brush()},
                     "group-group": {"event": "group", "group": "ears"}, "group-long": {"event": "mute", "group": "x" * 1024},
@@ -91,6 +96,7 @@ stroke = lambda **brush: [s.begin({"at": [12.0, 2.0, 19.0]}, **brush), {"event":
 s.write("plain.strokes", stroke(radius=5.0))
 s.write("radial.strokes", stroke(radius=5.0, radial=6, radial_axis="y", symmetry=2))
 s.write("two.strokes", stroke(radius=5.0, radial=2, radial_axis="z"))
+s.write("repeat.strokes", stroke(radius=4.0, repeat=[3, 2], repeat_by=[[-12.0, 0.0, 0.0], [0.0, -9.5, 1.0]]))
 P
 play radial radial
 play plain given --edit 1:radial=6y,symmetry=y --save-strokes given.strokes
@@ -104,6 +110,19 @@ play plain turned2 --edit 1:radial=2
 cmp turned.ply turned2.ply
 play plain moved2 --edit 1:radial=2,mirror=5/0/0
 ! cmp -s turned.ply moved2.ply
+play repeat repeat
+play plain repeated --edit 1:radius=4,repeat=3x-12/0/0+2x0/-9.5/1 --save-strokes repeated.strokes
+cmp repeat.ply repeated.ply
+grep -q '"repeat":\[3,2\],"repeat_by":\[\[-12.0,0.0,0.0\],\[0.0,-9.5,1.0\]\]' repeated.strokes
+play repeated repeated2
+cmp repeated.ply repeated2.ply
+play repeat single --edit 1:radius=5,repeat=none
+cmp single.ply plain.ply
+for wrong in 3 3x1/2 3x1/2/3x 3x1/2/3+ 3x1/2/3+4x 257x1/0/0 -2x1/0/0 3x0/0/0 3x1/0/0+2x0/0/0+2x1/1/1 20x1/0/0+20x0/1/0 2xnan/0/0; do
+    code=0
+    isosculpt --replay plain.strokes --headless --quiet --edit "1:repeat=$wrong" --output wrong.ply 2>message || code=$?
+    [ "$code" = 2 ] && [ "$(wc -l <message)" = 1 ] && [ ! -e wrong.ply ] || { echo "repeat=$wrong: $code"; cat message; exit 1; }
+done
 play abc both --edit 1-3:radius=4,strength=.5,symmetry=xz --group 1-2:ears --save-strokes both.strokes
 play both both2 --json=both.json
 cmp both.ply both2.ply

@@ -276,6 +276,7 @@ static void draw_actions(isosculpt_controller *controller) {
 }
 
 void panel_draw_strokes(isosculpt_controller *controller, float scale) {
+    if (!ImGui::CollapsingHeader("Strokes")) return;
     isosculpt_stroke_editor *editor = &controller->document->strokes;
     const iso_stroke_list *list = isosculpt_stroke_editor_list(editor, controller->document->session);
     if (!list) {

@@ -79,6 +79,12 @@ static json_t *brush_json(const iso_brush *brush) {
     if (!failed && iso_brush_is_radial(brush))
         failed |= json_object_set_new(object, "radial", json_integer(brush->radial)) ||
                   json_object_set_new(object, "radial_axis", json_string(axis));
+    if (!failed && iso_brush_is_repeated(brush))
+        failed |= json_object_set_new(object, "repeat",
+                                      json_pack("[ii]", (int)brush->repeat[0], (int)brush->repeat[1])) ||
+                  json_object_set_new(
+                      object, "repeat_by",
+                      json_pack("[oo]", vector_json(brush->repeat_by[0]), vector_json(brush->repeat_by[1])));
     snprintf(color, sizeof color, "#%02x%02x%02x", brush->color.r, brush->color.g, brush->color.b);
     if (!failed && brush->alpha != ISO_ALPHA_NONE)
         failed |= json_object_set_new(object, "alpha", json_string(iso_alpha_name(brush->alpha)));
@@ -229,8 +235,8 @@ static iso_status get_integer(const json_t *object, const char *key, iso_limit l
     return iso_limit_check(limit, (double)*value, 1, error);
 }
 
-static iso_status get_vector(const json_t *object, const char *key, iso_vec3 *v, iso_error *error) {
-    const json_t *found = json_object_get(object, key);
+/* Reads three numbers, which are an array of the name `key`. */
+static iso_status read_vector(const json_t *found, const char *key, iso_vec3 *v, iso_error *error) {
     double *out[3] = {&v->x, &v->y, &v->z};
     if (json_array_size(found) != 3) return bad_member(key, "three numbers", error);
     for (size_t i = 0; i < 3; i++) {
@@ -238,6 +244,10 @@ static iso_status get_vector(const json_t *object, const char *key, iso_vec3 *v,
         *out[i] = json_number_value(json_array_get(found, i));
     }
     return ISO_OK;
+}
+
+static iso_status get_vector(const json_t *object, const char *key, iso_vec3 *v, iso_error *error) {
+    return read_vector(json_object_get(object, key), key, v, error);
 }
 
 static iso_status get_text(const json_t *object, const char *key, char out[ISO_JOURNAL_TEXT],
@@ -359,6 +369,22 @@ static iso_status read_radial(const json_t *object, iso_brush *brush, iso_error 
     return ISO_OK;
 }
 
+/* Reads how the images of a brush are repeated; many are not. */
+static iso_status read_repeat(const json_t *object, iso_brush *brush, iso_error *error) {
+    const json_t *counts = json_object_get(object, "repeat"), *by = json_object_get(object, "repeat_by");
+    if (!counts && !by) return ISO_OK;
+    if (json_array_size(counts) != 2) return bad_member("repeat", "two whole numbers", error);
+    if (json_array_size(by) != 2) return bad_member("repeat_by", "two places", error);
+    for (size_t i = 0; i < 2; i++) {
+        const json_t *count = json_array_get(counts, i);
+        if (!json_is_integer(count)) return bad_member("repeat", "two whole numbers", error);
+        ISO_TRY(iso_limit_check(ISO_LIMIT_REPEAT, (double)json_integer_value(count), 1, error));
+        brush->repeat[i] = (unsigned)json_integer_value(count);
+        ISO_TRY(read_vector(json_array_get(by, i), "repeat_by", &brush->repeat_by[i], error));
+    }
+    return ISO_OK;
+}
+
 static iso_status read_brush(const json_t *object, iso_brush *brush, iso_error *error) {
     if (!json_is_object(object)) return bad_member("brush", "an object", error);
     json_int_t symmetry = 0;
@@ -372,6 +398,7 @@ static iso_status read_brush(const json_t *object, iso_brush *brush, iso_error *
     brush->symmetry = (unsigned)symmetry;
     ISO_TRY(get_vector(object, "mirror", &brush->mirror, error));
     ISO_TRY(read_radial(object, brush, error));
+    ISO_TRY(read_repeat(object, brush, error));
     if (json_object_get(object, "alpha") &&
         iso_alpha_find(text_of(object, "alpha"), &brush->alpha, NULL) != ISO_OK)
         return bad_member("alpha", "an alpha of this version", error);

@@ -44,6 +44,7 @@ static iso_status check_brush(const iso_brush *brush, double voxel, iso_error *e
     if (brush->spacing != 0) ISO_TRY(iso_limit_check(ISO_LIMIT_SPACING, brush->spacing, 1, error));
     ISO_TRY(iso_limit_check(ISO_LIMIT_SYMMETRY, brush->symmetry, 1, error));
     ISO_TRY(check_vector(ISO_LIMIT_MIRROR, brush->mirror, voxel, error));
+    for (int i = 0; i < 2; i++) ISO_TRY(check_vector(ISO_LIMIT_REPEAT_BY, brush->repeat_by[i], voxel, error));
     return iso_brush_check(brush, error) == ISO_OK ? ISO_OK : ISO_ERR_FORMAT;
 }
 
