@@ -243,6 +243,7 @@ static void put_times(iso_json *json, const char *key, const times *list) {
     iso_json_begin_object(json, key);
     iso_json_integer(json, "count", list->count);
     iso_json_real(json, "p50", list->seconds[list->count / 2]);
+    iso_json_real(json, "p95", list->seconds[list->count * 95 / 100]);
     iso_json_real(json, "p99", list->seconds[list->count * 99 / 100]);
     iso_json_real(json, "max", list->seconds[list->count - 1]);
     iso_json_end_object(json);
