@@ -317,6 +317,7 @@ static void put_report(iso_json *json, const isosculpt_settings *settings, const
     if (settings->replay) put_strokes(json, r);
     if (r->versions.strokes) iso_json_integer(json, "strokes_drawn_again", r->versions.drawn);
     if (r->versions.strokes) iso_json_integer(json, "version_bytes", r->versions.bytes);
+    if (r->versions.in_files) iso_json_integer(json, "version_bytes_in_files", r->versions.in_files);
     iso_json_integer(json, "cells_edited", r->edits.edited);
     iso_json_integer(json, "cells_redistanced", r->edits.redistanced);
     iso_json_integer(json, "cells_created", r->edits.created);

@@ -1,5 +1,4 @@
-/* Implements the session: strokes, undo steps, the journal with its checkpoints, and resuming from a journal.
- */
+/* The session: strokes, undo steps, the journal with its checkpoints, and resuming from a journal. */
 #include "sculpt/session/session.h"
 
 #include <math.h>
@@ -16,7 +15,7 @@
 #include "sculpt/session/step_name.h"
 #include "sculpt/session/versions.h"
 
-enum { DEFAULT_CHECKPOINT_STROKES = 200 };
+enum { DEFAULT_CHECKPOINT_STROKES = 200, DEFAULT_VERSION_MEMORY = 384 << 20 };
 /* Bricks that are allocated between strokes, so that the next stroke need not: 4 MiB. */
 enum { RESERVED_BRICKS = 256 };
 
@@ -31,23 +30,21 @@ struct iso_session {
     iso_cell_items first_paint;                   /* of the field before all strokes */
     iso_stamp *stamp;                             /* NULL: none yet */
     int checkpoint_strokes, strokes, checkpoints; /* interval; strokes since the last one; number so far */
-    bool drawing;                                 /* a stroke is being drawn, */
-    bool acts_at_end;                             /* which does nothing before its end */
-    bool replaying;     /* the journal being resumed: events are not recorded again */
-    bool bounded;       /* an event of a stroke file is being replayed: check_cost applies */
-    double cost_factor; /* of the options */
-    double samples;     /* number of samples replayed so far */
-    double undo_cost;   /* cost of all replayed undo and redo steps */
-    double edit_cost;   /* cost of the versions that were discarded */
+    bool drawing, acts_at_end;   /* a stroke is being drawn, which does nothing before its end */
+    bool replaying;              /* the journal being resumed: events are not recorded again */
+    bool bounded;                /* an event of a stroke file is being replayed: check_cost applies */
+    double cost_factor, samples; /* of the options; number of samples replayed so far */
+    double undo_cost, edit_cost; /* of all replayed undo and redo steps; of versions that were discarded */
     iso_pen pen;
     iso_edit_stats *stats;  /* of the call that is being served; NULL: not wanted */
     iso_stroke_log log;     /* of all strokes, unless it is `partial` */
     iso_stroke_list list;   /* the last one that an edit resolved */
     iso_versions *versions; /* NULL: no edit has needed them yet */
+    size_t versions_at;     /* log.changes when they were those of the log's list; 0: they are not */
+    size_t version_memory;
     bool edits_aside;
-    iso_pool *edit_pool; /* owned; draws them if edits_aside */
-    bool editing,
-        edit_is_logged; /* between begin and end of an edit; the last entry of the log is that edit */
+    iso_pool *edit_pool;          /* owned; draws them if edits_aside */
+    bool editing, edit_is_logged; /* between begin and end of an edit; it is the last entry of the log */
     const iso_progress *edit_progress;
     iso_event edit;
     bool reseats;   /* the samples of the edit's strokes are found by drawing it */
@@ -136,6 +133,7 @@ static void discard_versions(iso_session *session) {
     if (session->versions) session->edit_cost += iso_versions_get_stats(session->versions).cost;
     iso_versions_destroy(session->versions);
     session->versions = NULL;
+    session->versions_at = 0;
 }
 
 /* ---- resuming */
@@ -349,6 +347,7 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
     }
     session->pool = opts->pool;
     session->edits_aside = opts->edits_aside;
+    session->version_memory = opts->version_memory ? opts->version_memory : DEFAULT_VERSION_MEMORY;
     session->pen = (iso_pen){.touch = touch_field, .context = session};
     session->cost_factor = opts->cost_factor > 0 ? opts->cost_factor : 1;
     session->checkpoint_strokes =
@@ -395,6 +394,9 @@ bool iso_session_has_mask(const iso_session *session) {
 }
 bool iso_session_masked(const iso_session *session, int x, int y, int z) {
     return iso_editor_masked(session->editor, x, y, z);
+}
+iso_status iso_session_sync(iso_session *session, iso_error *error) {
+    return session->journal ? iso_journal_sync(session->journal, error) : ISO_OK;
 }
 iso_status iso_session_journal_status(iso_session *session, iso_error *error) {
     return session->journal ? iso_journal_status(session->journal, error) : ISO_OK;
@@ -446,7 +448,7 @@ static iso_status make_versions(iso_session *session, iso_error *error) {
     if (session->edits_aside && !session->edit_pool)
         ISO_TRY(iso_pool_create(iso_pool_threads(session->pool), &session->edit_pool, error));
     ISO_TRY(copy_first_field(session, &first, error));
-    return iso_versions_create(first, &session->first_paint,
+    return iso_versions_create(first, &session->first_paint, session->version_memory,
                                session->edits_aside ? session->edit_pool : session->pool, check_versions,
                                session, &session->versions, error);
 }
@@ -504,7 +506,9 @@ static iso_status draw_list(iso_session *session, const iso_progress *progress, 
                        after = iso_progress_part(progress, 0.5, 1);
     iso_seat seat = {.samples = NULL};
     const iso_versions_visitor visitor = {iso_seat_stroke, &seat};
-    ISO_TRY(update_versions(session, 1, progress ? &before : NULL, error));
+    const bool current = session->versions_at > 0 && session->versions_at == session->log.changes - 1;
+    session->versions_at = 0;
+    if (!current) ISO_TRY(update_versions(session, 1, progress ? &before : NULL, error));
     iso_status status = ISO_OK;
     if (session->reseats) {
         status = iso_seat_measure(&seat, session->versions, &session->log, &session->list, progress, error);
@@ -528,11 +532,13 @@ static iso_status write_list(iso_session *session, const char *name, iso_error *
     for (size_t i = 0; status == ISO_OK && i < iso_versions_change_count(session->versions); i++)
         status = write_change(session, &step, i, error);
     if (status == ISO_OK) status = iso_history_end(session->history, error);
-    if (status == ISO_OK)
-        iso_stroke_log_end(&session->log, true);
-    else
+    if (status != ISO_OK) {
         iso_history_cancel(session->history, NULL);
-    return status;
+        return status;
+    }
+    iso_stroke_log_end(&session->log, true);
+    session->versions_at = session->log.changes;
+    return ISO_OK;
 }
 
 /* ---- strokes */
@@ -747,10 +753,6 @@ iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_err
 
 const iso_stamp *iso_session_stamp(const iso_session *session) {
     return session->stamp;
-}
-
-iso_status iso_session_sync(iso_session *session, iso_error *error) {
-    return session->journal ? iso_journal_sync(session->journal, error) : ISO_OK;
 }
 
 /* Adds the cost of an undo or redo to undo_cost. */

@@ -25,7 +25,9 @@ typedef struct iso_session_opts {
                                beside the journal; 0 means 200, < 0 none */
     double cost_factor; /* multiplies iso_limit_cost, which bounds iso_session_play: on a finer grid the same
                            strokes cost more; 0 means 1 */
-    bool edits_aside;   /* iso_session_draw_edit has a pool of its own, as it is called in another thread */
+    size_t version_memory; /* bytes of the versions that edits of strokes need, beyond which they lie in files
+                              in TMPDIR; 0 means 384 MiB */
+    bool edits_aside; /* iso_session_draw_edit has a pool of its own, as it is called in another thread */
     iso_cell_items
         *paint; /* the paint that the field begins with, which is taken (*paint is empty then), also
                               when it fails; NULL: none */

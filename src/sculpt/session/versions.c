@@ -8,6 +8,7 @@
 #include "sculpt/field/cell_pack.h"
 #include "sculpt/session/history.h"
 #include "sculpt/session/pen.h"
+#include "sculpt/session/version_store.h"
 
 /* A part of a cell: its distances (0), or its item of a kind (1 + the kind). */
 enum { DISTANCES = 0, PARTS = 1 + ISO_ITEM_KINDS };
@@ -27,7 +28,7 @@ typedef struct version {
     int32_t state;   /* as in iso_cell_change */
     uint32_t size;   /* of the packed values */
     uint64_t serial; /* each version has its own; 0: before all strokes */
-    uint8_t *bytes;  /* owned */
+    uint8_t *bytes;  /* in the store */
 } version;
 
 /* A stroke as it was drawn. */
@@ -57,6 +58,7 @@ struct iso_versions {
     size_t dirty_count;
     drawn **list; /* owned */
     size_t count;
+    iso_version_store store;
     uint64_t serials;
     iso_versions_stats stats;
     /* of the stroke that is being drawn: */
@@ -77,8 +79,7 @@ typedef struct cast_cache {
 /* ---- memory */
 
 static void free_version(iso_versions *v, version *at) {
-    v->stats.bytes -= at->size;
-    iso_free(at->bytes);
+    iso_version_store_give(&v->store, at->bytes, at->size);
     at->bytes = NULL;
 }
 
@@ -97,6 +98,7 @@ void iso_versions_destroy(iso_versions *v) {
         if (v->first[i]) free_version(v, v->first[i]);
         iso_free(v->first[i]);
     }
+    iso_version_store_free(&v->store);
     iso_history_destroy(v->history);
     iso_editor_destroy(v->editor);
     iso_hgrid_destroy(v->grid);
@@ -134,7 +136,7 @@ static iso_status set_up(iso_versions *v, const iso_cell_items *paint, iso_pool 
                                                                                    : no_memory(error);
 }
 
-iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, iso_pool *pool,
+iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, size_t memory, iso_pool *pool,
                                iso_versions_check *check, void *context, iso_versions **versions,
                                iso_error *error) {
     iso_versions *v = iso_alloc_zero(1, sizeof *v);
@@ -143,6 +145,7 @@ iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, is
         return no_memory(error);
     }
     v->grid = first;
+    v->store.limit = memory;
     v->check = check;
     v->context = context;
     iso_status status = set_up(v, paint, pool, error);
@@ -173,7 +176,7 @@ static iso_status pack(iso_versions *v, cell_key key, uint64_t serial, version *
     }
     out->size =
         (uint32_t)(item ? iso_item_pack_size(item, items->bytes) : iso_cell_pack_size(brick, v->grid->band));
-    out->bytes = iso_alloc(out->size);
+    out->bytes = iso_version_store_take(&v->store, out->size);
     if (!out->bytes) {
         out->size = 0;
         return no_memory(error);
@@ -182,7 +185,6 @@ static iso_status pack(iso_versions *v, cell_key key, uint64_t serial, version *
         iso_item_pack(item, items->bytes, out->bytes);
     else
         iso_cell_pack(brick, v->grid->band, out->bytes);
-    v->stats.bytes += out->size;
     return ISO_OK;
 }
 
@@ -733,5 +735,7 @@ iso_status iso_versions_cast(iso_versions *v, const iso_sample *sample, double *
 iso_versions_stats iso_versions_get_stats(const iso_versions *v) {
     iso_versions_stats stats = v->stats;
     stats.cost = iso_editor_cost(v->editor);
+    stats.bytes = v->store.in_memory + v->store.in_files;
+    stats.in_files = v->store.in_files;
     return stats;
 }

@@ -20,16 +20,17 @@ typedef struct iso_versions iso_versions;
 
 /* What updates have cost so far. */
 typedef struct iso_versions_stats {
-    size_t strokes, drawn; /* strokes of the lists of all updates, and those of them that were drawn */
-    size_t bytes;          /* packed versions in memory now */
-    double cost;           /* iso_editor_cost */
+    size_t strokes, drawn;  /* strokes of the lists of all updates, and those of them that were drawn */
+    size_t bytes, in_files; /* packed versions now, and those of them that lie in files */
+    double cost;            /* iso_editor_cost */
 } iso_versions_stats;
 
-/* Takes ownership of the field before all strokes, also when it fails; `paint` is its paint, which is copied
+/* `memory`: bytes of packed versions that are kept in memory; more lie in files in TMPDIR (/tmp).
+ * Takes ownership of the field before all strokes, also when it fails; `paint` is its paint, which is copied
  * (no cells: it has none). `check` is called before each touch, and an error of it ends the update (NULL: not
  * called). The pool is borrowed. ISO_ERR_NOMEM; ISO_ERR_USAGE: a grid that cannot be sculpted. */
 typedef iso_status iso_versions_check(void *context, double cost, iso_error *error);
-iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, iso_pool *pool,
+iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, size_t memory, iso_pool *pool,
                                iso_versions_check *check, void *context, iso_versions **versions,
                                iso_error *error);
 void iso_versions_destroy(iso_versions *versions); /* NULL is fine */
