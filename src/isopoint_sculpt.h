@@ -71,7 +71,8 @@ typedef enum iso_alpha {
 
 /* A brush. Members that are 0 mean: tool add, sphere, smooth falloff, full strength (for tools with a
  * strength), aspect 0.5, blend and spacing 0.25 of the radius, no symmetry. The radius must be set. With both
- * symmetries each image is mirrored, too. Where radial images overlap, they act as one of their mean. */
+ * symmetries each image is mirrored, too; there are at most 256 images. Where radial or repeated images
+ * overlap, they act as one of their mean. */
 typedef struct iso_brush {
     iso_tool tool;
     iso_solid shape;
@@ -90,6 +91,9 @@ typedef struct iso_brush {
     bool pressure_strength; /* pressure scales the strength */
     bool has_color;         /* the surface that PAINT, the first four tools, INFLATE, FILL and CLAY make .. */
     iso_rgb color;          /* .. has this colour (sRGB); without one it has no paint */
+    unsigned repeat[2];     /* 2 ..: so many images, each moved by a further .. (0, 1: none). With the second
+                               one: rows of the first, a grid. They are turned and mirrored, too. */
+    iso_vec3 repeat_by[2];  /* .. distance, mm */
 } iso_brush;
 
 /* One position of the pointer during a stroke, on the surface or in space. */
@@ -191,6 +195,16 @@ ISO_API iso_status iso_sculpt_edit(iso_sculpt *sculpt, unsigned number, const is
 ISO_API iso_status iso_sculpt_mute(iso_sculpt *sculpt, unsigned first, unsigned last, bool muted,
                                    iso_error *error);
 ISO_API iso_status iso_sculpt_delete(iso_sculpt *sculpt, unsigned first, unsigned last, iso_error *error);
+/* The samples of a stroke, which *samples points to until the strokes change, and their number; and as many
+ * others for it. ISO_ERR_USAGE: also another number of samples. */
+ISO_API iso_status iso_sculpt_get_path(iso_sculpt *sculpt, unsigned number, const iso_sample **samples,
+                                       size_t *count, iso_error *error);
+ISO_API iso_status iso_sculpt_set_path(iso_sculpt *sculpt, unsigned number, const iso_sample *samples,
+                                       size_t count, iso_error *error);
+/* Reseats strokes when edits of earlier ones have moved the surface from under them: each sample is moved
+ * along its normal by as much as the surface there has moved since the stroke got its samples. The journal
+ * gets the places. */
+ISO_API iso_status iso_sculpt_reseat(iso_sculpt *sculpt, unsigned first, unsigned last, iso_error *error);
 /* `before`: the number of the stroke that they are drawn before; 0: they are drawn last. */
 ISO_API iso_status iso_sculpt_move(iso_sculpt *sculpt, unsigned first, unsigned last, unsigned before,
                                    iso_error *error);

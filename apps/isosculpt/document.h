@@ -20,7 +20,7 @@ extern "C" {
 #endif
 
 enum { ISOSCULPT_PATH = ISO_JOURNAL_TEXT }; /* bytes of a path, with its end */
-enum { ISOSCULPT_LOOK = 512 };              /* bytes of the text of a look, with its end (look.h) */
+enum { ISOSCULPT_LOOK = 1024 };             /* bytes of the text of a look, with its end (look.h) */
 
 typedef struct isosculpt_saver isosculpt_saver;
 

@@ -78,6 +78,7 @@ void isosculpt_controller_init(isosculpt_controller *controller, isosculpt_docum
 
 void isosculpt_controller_free(isosculpt_controller *controller) {
     isosculpt_strokes_free(&controller->queued_strokes);
+    isosculpt_bending_free(&controller->bending);
 }
 
 void isosculpt_controller_center_mirror(isosculpt_controller *controller) {
@@ -489,8 +490,13 @@ void isosculpt_controller_press(isosculpt_controller *controller, isosculpt_butt
     const bool brush =
         button == ISOSCULPT_BUTTON_LEFT && (!controller->viewing_volume || controller->field_pending);
     const isosculpt_cut_part handle = isosculpt_controller_handle(controller);
+    const int path_handle = brush && !handle && !(modifiers & ISOSCULPT_MODIFIER_ALT)
+                                ? isosculpt_controller_path_handle(controller)
+                                : -1;
     if (button == ISOSCULPT_BUTTON_RIGHT)
         controller->drag = ISOSCULPT_DRAG_PAN;
+    else if (path_handle >= 0)
+        isosculpt_bending_take(controller, path_handle);
     else if (brush && !handle && controller->measuring.on && !controller->viewing_volume &&
              isosculpt_pick_buffer_pick(&controller->viewport->drawn, x, y, &pick))
         measure_at(controller, pick.position);
@@ -550,6 +556,8 @@ void isosculpt_controller_move(isosculpt_controller *controller, double x, doubl
     if (controller->drag == ISOSCULPT_DRAG_SELECT) begin_when_moved(controller);
     if (controller->drag == ISOSCULPT_DRAG_BRUSH) continue_drawing(controller, x, y, false);
     if (controller->drag == ISOSCULPT_DRAG_OUTLINE) extend_outline(controller, x, y);
+    if (controller->drag == ISOSCULPT_DRAG_HANDLE)
+        isosculpt_bending_move(&controller->bending, &controller->viewport->drawn, x, y);
     if (controller->drag == ISOSCULPT_DRAG_ORBIT) isosculpt_viewport_orbit(controller->viewport, dx, dy);
     if (controller->drag == ISOSCULPT_DRAG_PAN) isosculpt_viewport_pan(controller->viewport, dx, dy);
     if (controller->drag == ISOSCULPT_DRAG_PLANE || controller->drag == ISOSCULPT_DRAG_TILT)
@@ -564,12 +572,14 @@ void isosculpt_controller_release(isosculpt_controller *controller, isosculpt_bu
         end_drawing(controller, false);
     }
     if (controller->drag == ISOSCULPT_DRAG_OUTLINE) end_outline(controller);
+    if (controller->drag == ISOSCULPT_DRAG_HANDLE) isosculpt_bending_release(controller, false);
     if (controller->drag == ISOSCULPT_DRAG_SELECT) select_stroke(controller);
     controller->drag = ISOSCULPT_DRAG_NONE;
 }
 
 static void zoom_camera(isosculpt_controller *controller, double factor) {
-    if (controller->drag == ISOSCULPT_DRAG_BRUSH) return; /* picks of the stroke need the present camera */
+    /* picks of the stroke, and the path, need the present camera */
+    if (controller->drag == ISOSCULPT_DRAG_BRUSH || controller->drag == ISOSCULPT_DRAG_HANDLE) return;
     isosculpt_viewport_zoom(controller->viewport, factor);
     controller->commands |= ISOSCULPT_COMMAND_REDRAW;
 }
@@ -578,10 +588,17 @@ void isosculpt_controller_scroll(isosculpt_controller *controller, double steps)
     zoom_camera(controller, pow(WHEEL_ZOOM, steps));
 }
 
-bool isosculpt_controller_pick(const isosculpt_controller *controller, isosculpt_pick *pick) {
+bool isosculpt_controller_is_drawing(const isosculpt_controller *controller) {
+    return controller->drag == ISOSCULPT_DRAG_BRUSH || controller->drag == ISOSCULPT_DRAG_OUTLINE ||
+           controller->drag == ISOSCULPT_DRAG_HANDLE;
+}
+
+bool isosculpt_controller_pick(isosculpt_controller *controller, isosculpt_pick *pick) {
     const bool brush = !controller->drag || controller->drag == ISOSCULPT_DRAG_BRUSH ||
                        controller->drag == ISOSCULPT_DRAG_SELECT;
-    if (!brush || isosculpt_controller_handle(controller)) return false;
+    if (!brush || isosculpt_controller_handle(controller) ||
+        isosculpt_controller_path_handle(controller) >= 0)
+        return false;
     return isosculpt_pick_buffer_pick(&controller->viewport->drawn, controller->x, controller->y, pick);
 }
 
@@ -731,6 +748,8 @@ static bool handle_brush_key(isosculpt_controller *controller, int key, unsigned
         end_drawing(controller, true);
     else if (key == ISOSCULPT_KEY_ESCAPE && controller->drag == ISOSCULPT_DRAG_OUTLINE)
         controller->drag = ISOSCULPT_DRAG_NONE;
+    else if (key == ISOSCULPT_KEY_ESCAPE && controller->drag == ISOSCULPT_DRAG_HANDLE)
+        isosculpt_bending_release(controller, true);
     else
         return choose_tool(controller, key);
     return true;

@@ -6,6 +6,7 @@
 
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/measuring.h"
+#include "apps/isosculpt/path_handles.h"
 #include "apps/isosculpt/recorded_strokes.h"
 #include "apps/isosculpt/viewport/viewport.h"
 
@@ -39,10 +40,11 @@ typedef enum isosculpt_drag {
     ISOSCULPT_DRAG_BRUSH,
     ISOSCULPT_DRAG_ORBIT,
     ISOSCULPT_DRAG_PAN,
-    ISOSCULPT_DRAG_PLANE,  /* moves the plane that cuts (viewport/cut.h) */
-    ISOSCULPT_DRAG_TILT,   /* tilts it */
-    ISOSCULPT_DRAG_SELECT, /* Alt on the surface: a stroke when the pointer moves, else selects one */
-    ISOSCULPT_DRAG_OUTLINE /* outlines what a tool that trims removes */
+    ISOSCULPT_DRAG_PLANE,   /* moves the plane that cuts (viewport/cut.h) */
+    ISOSCULPT_DRAG_TILT,    /* tilts it */
+    ISOSCULPT_DRAG_SELECT,  /* Alt on the surface: a stroke when the pointer moves, else selects one */
+    ISOSCULPT_DRAG_OUTLINE, /* outlines what a tool that trims removes */
+    ISOSCULPT_DRAG_HANDLE   /* bends the path of the selected stroke */
 } isosculpt_drag;
 
 /* Commands for the window, as bits of isosculpt_controller.commands. */
@@ -83,6 +85,7 @@ typedef struct isosculpt_controller {
     double press_x, press_y; /* ISOSCULPT_DRAG_SELECT: where it began, and with which modifier keys */
     unsigned press_modifiers;
     isosculpt_outline outline; /* ISOSCULPT_DRAG_OUTLINE */
+    isosculpt_bending bending; /* ISOSCULPT_DRAG_HANDLE */
     isosculpt_measuring measuring;
     bool brush_held; /* the panel's brush is being changed: a stroke gets it when this is over */
 
@@ -178,9 +181,21 @@ void isosculpt_controller_go_to_step(isosculpt_controller *controller, size_t po
 
 /* The part of the handle of the plane that cuts that is under the pointer, or is dragged. */
 isosculpt_cut_part isosculpt_controller_handle(const isosculpt_controller *controller);
+/* Whether it matters where the samples of the tool's strokes are. */
+static inline bool isosculpt_tool_has_path(iso_tool tool) {
+    return tool < ISO_TOOL_CLEAR_MASK || tool > ISO_TOOL_MASK_VOXELS;
+}
+/* The samples of a stroke of the list as they are to be drawn, as many as it has: bent while a handle is
+ * dragged, and as they are requested. */
+const iso_sample *isosculpt_controller_path(const isosculpt_controller *controller, const iso_stroke *stroke);
+/* The handle of the selected stroke's path (path_handles.h) that is under the pointer, or is dragged; -1:
+ * none. */
+int isosculpt_controller_path_handle(isosculpt_controller *controller);
+/* Whether a stroke, an outline or a path is being drawn, which Escape cancels. */
+bool isosculpt_controller_is_drawing(const isosculpt_controller *controller);
 /* The surface under the pointer; false: there is none, or the camera or the plane that cuts is being moved,
- * or its handle is there. */
-bool isosculpt_controller_pick(const isosculpt_controller *controller, isosculpt_pick *pick);
+ * or a handle is there. */
+bool isosculpt_controller_pick(isosculpt_controller *controller, isosculpt_pick *pick);
 
 #ifdef __cplusplus
 }

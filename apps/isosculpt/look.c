@@ -16,12 +16,15 @@ void isosculpt_look_write(const isosculpt_controller *controller, char text[ISOS
     const iso_brush *brush = &controller->brush;
     snprintf(text, ISOSCULPT_LOOK,
              "method=%s;light=%s;color=%02X%02X%02X;background=%02X%02X%02X;tool=%s;radius=%.17g;"
-             "strength=%.17g;symmetry=%u;mirror=%.17g,%.17g,%.17g;radial=%u%c;paint=%02X%02X%02X;",
+             "strength=%.17g;symmetry=%u;mirror=%.17g,%.17g,%.17g;radial=%u%c;paint=%02X%02X%02X;"
+             "repeat=%u,%.17g,%.17g,%.17g;rows=%u,%.17g,%.17g,%.17g;",
              iso_method_name(mode->method), isosculpt_shading_name(mode->material.shading), color.r, color.g,
              color.b, background.r, background.g, background.b, iso_tool_name(brush->tool), brush->radius,
              brush->strength, brush->symmetry, brush->mirror.x, brush->mirror.y, brush->mirror.z,
              brush->radial, 'x' + iso_brush_radial_axis(brush), brush->color.r, brush->color.g,
-             brush->color.b);
+             brush->color.b, brush->repeat[0], brush->repeat_by[0].x, brush->repeat_by[0].y,
+             brush->repeat_by[0].z, brush->repeat[1], brush->repeat_by[1].x, brush->repeat_by[1].y,
+             brush->repeat_by[1].z);
 }
 
 /* ---- reading */
@@ -88,15 +91,34 @@ static void apply_radial(isosculpt_controller *controller, const char *value) {
     if (*end >= 'x' && *end <= 'z') controller->brush.radial_axis = *end;
 }
 
+static void apply_line(isosculpt_controller *controller, int which, const char *value) {
+    iso_brush brush = controller->brush;
+    iso_vec3 *by = &brush.repeat_by[which];
+    if (sscanf(value, "%u,%lf,%lf,%lf", &brush.repeat[which], &by->x, &by->y, &by->z) == 4 &&
+        iso_brush_check(&brush, NULL) == ISO_OK)
+        controller->brush = brush;
+}
+
+static void apply_repeat(isosculpt_controller *controller, const char *value) {
+    apply_line(controller, 0, value);
+}
+
+static void apply_rows(isosculpt_controller *controller, const char *value) {
+    apply_line(controller, 1, value);
+}
+
 /* Applies the setting NAME=VALUE. */
 static void apply_setting(isosculpt_controller *controller, const char *name, const char *value) {
     static const struct {
         const char *name;
         void (*apply)(isosculpt_controller *controller, const char *value);
-    } settings[] = {{"method", apply_method},         {"light", apply_light},       {"color", apply_color},
-                    {"background", apply_background}, {"tool", apply_tool},         {"radius", apply_radius},
-                    {"strength", apply_strength},     {"symmetry", apply_symmetry}, {"mirror", apply_mirror},
-                    {"radial", apply_radial},         {"paint", apply_paint}};
+    } settings[] = {{"method", apply_method},     {"light", apply_light},
+                    {"color", apply_color},       {"background", apply_background},
+                    {"tool", apply_tool},         {"radius", apply_radius},
+                    {"strength", apply_strength}, {"symmetry", apply_symmetry},
+                    {"mirror", apply_mirror},     {"radial", apply_radial},
+                    {"paint", apply_paint},       {"repeat", apply_repeat},
+                    {"rows", apply_rows}};
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
         if (strcmp(name, settings[i].name) == 0) settings[i].apply(controller, value);
 }

@@ -59,6 +59,7 @@ STROKE_EDIT(mute, MUTE)
 STROKE_EDIT(unmute, UNMUTE)
 STROKE_EDIT(move, MOVE)
 STROKE_EDIT(group, GROUP)
+STROKE_EDIT(reseat, RESEAT)
 #undef STROKE_EDIT
 
 static const char *const backends[] = {"auto", "cpu", "gl", NULL};
@@ -78,8 +79,10 @@ static const iso_option options[] = {
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
     {"edit", NULL, "STROKES:KEY=VALUE,...",
      "before the result is written, give strokes of --replay another brush; STROKES is a number or two (12 "
-     "or 30-40, counted from 1 as they begin), KEY is tool, shape, falloff, radius, strength, aspect, blend, "
-     "spacing, color (#RRGGBB, or none), symmetry (xz), radial (6z: six images around z), alpha (fixed or "
+     "or 30-40, counted from 1 as they begin) or a group's name, KEY is tool, shape, falloff, radius, "
+     "strength, aspect, blend, "
+     "spacing, color (#RRGGBB, or none), symmetry (xz), radial (6z: six images around z), repeat "
+     "(8x5/0/0: eight images, 5 mm apart along x; with three rows of them 8x5/0/0+3x0/5/0), alpha (fixed or "
      "follows), mirror (X/Y/Z, a "
      "point of the planes and the axis), pressure-radius or pressure-strength (on); these edits are made in "
      "the order in which they are given",
@@ -92,8 +95,14 @@ static const iso_option options[] = {
      .apply = apply_unmute, .flags = ISO_OPTION_REPEATABLE},
     {"move", NULL, "STROKES:N", "draw strokes before stroke N, or after all others (end)", .group = SESSION,
      .kind = ISO_OPTION_CALL, .apply = apply_move, .flags = ISO_OPTION_REPEATABLE},
-    {"group", NULL, "STROKES:NAME", "give strokes the name of a group, which the list of --json shows",
+    {"group", NULL, "STROKES:NAME",
+     "give strokes the name of a group, which the list of --json shows, and by which further edits can name "
+     "them (--mute ears)",
      .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_group, .flags = ISO_OPTION_REPEATABLE},
+    {"reseat", NULL, "STROKES",
+     "move the samples of strokes along with the surface that edits of earlier strokes have moved from under "
+     "them",
+     .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_reseat, .flags = ISO_OPTION_REPEATABLE},
     {"open", NULL, "FILE",
      "begin with a level set (.vdb), a mesh ({meshes}), lines as tubes ({lines}), points without faces "
      "({points}), whose holes are closed, a volume, or a scene ({scenes})",

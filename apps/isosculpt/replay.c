@@ -205,7 +205,7 @@ static iso_status edit_timed(player *p, const iso_event *event, iso_buffer *even
     ISO_TRY(add_time(&p->report->stroke_edit, iso_clock_seconds() - start, error));
     const size_t bytes = *count * sizeof *event;
     ISO_TRY(iso_buffer_reserve(events, bytes + sizeof *event, bytes, error));
-    ((iso_event *)events->data)[(*count)++] = *event;
+    ((iso_event *)events->data)[(*count)++] = *iso_session_last_edit(p->session);
     return ISO_OK;
 }
 
@@ -218,7 +218,7 @@ static iso_status make_edit(player *p, const isosculpt_edit *edit, iso_buffer *e
     iso_status status = iso_session_strokes(p->session, &list, error);
     for (size_t i = 0; status == ISO_OK && edit->kind == ISO_EVENT_EDIT && i < list.count; i++) {
         const iso_stroke *stroke = iso_stroke_at(&list, i);
-        if (stroke->number < edit->first || stroke->number > edit->last) continue;
+        if (!isosculpt_edit_names(edit, stroke)) continue;
         found++;
         status = isosculpt_edit_event(edit, stroke, &event, error);
         if (status == ISO_OK) status = edit_timed(p, &event, events, count, error);
@@ -243,6 +243,7 @@ static void put_times(iso_json *json, const char *key, const times *list) {
     iso_json_begin_object(json, key);
     iso_json_integer(json, "count", list->count);
     iso_json_real(json, "p50", list->seconds[list->count / 2]);
+    iso_json_real(json, "p95", list->seconds[list->count * 95 / 100]);
     iso_json_real(json, "p99", list->seconds[list->count * 99 / 100]);
     iso_json_real(json, "max", list->seconds[list->count - 1]);
     iso_json_end_object(json);
@@ -316,6 +317,7 @@ static void put_report(iso_json *json, const isosculpt_settings *settings, const
     if (settings->replay) put_strokes(json, r);
     if (r->versions.strokes) iso_json_integer(json, "strokes_drawn_again", r->versions.drawn);
     if (r->versions.strokes) iso_json_integer(json, "version_bytes", r->versions.bytes);
+    if (r->versions.in_files) iso_json_integer(json, "version_bytes_in_files", r->versions.in_files);
     iso_json_integer(json, "cells_edited", r->edits.edited);
     iso_json_integer(json, "cells_redistanced", r->edits.redistanced);
     iso_json_integer(json, "cells_created", r->edits.created);

@@ -1,6 +1,7 @@
 /* The editor of strokes: a queue of edits, of which one is drawn at a time. */
 #include "apps/isosculpt/stroke_editor.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,13 +38,17 @@ static iso_brush brush_to_be(const isosculpt_stroke_editor *editor) {
     return isosculpt_brush_shown(&iso_stroke_find(&editor->list, editor->first)->brush);
 }
 
+bool isosculpt_stroke_editor_selects(const isosculpt_stroke_editor *editor, const iso_stroke *stroke) {
+    if (editor->group[0]) return strcmp(stroke->group, editor->group) == 0;
+    return stroke->number >= editor->first && stroke->number <= editor->last;
+}
+
 static void update_selection(isosculpt_stroke_editor *editor) {
     bool any = false;
-    for (size_t i = 0; editor->first && i < editor->list.count && !any; i++) {
-        const unsigned number = iso_stroke_at(&editor->list, i)->number;
-        any = number >= editor->first && number <= editor->last;
-    }
+    for (size_t i = 0; i < editor->list.count && !any; i++)
+        any = isosculpt_stroke_editor_selects(editor, iso_stroke_at(&editor->list, i));
     if (!any) editor->first = editor->last = 0;
+    if (!any) editor->group[0] = 0;
     if (editor->before && !iso_stroke_find(&editor->list, editor->before)) editor->before = 0;
     if (is_single(editor) && iso_brush_is_same(&editor->brush, &editor->asked))
         editor->brush = editor->asked = brush_to_be(editor);
@@ -58,6 +63,7 @@ const iso_stroke_list *isosculpt_stroke_editor_list(isosculpt_stroke_editor *edi
     if (iso_session_strokes(session, &editor->list, &editor->no_list) != ISO_OK) {
         editor->list.count = 0;
         editor->first = editor->last = 0;
+        editor->group[0] = 0;
         return NULL;
     }
     update_selection(editor);
@@ -67,9 +73,15 @@ const iso_stroke_list *isosculpt_stroke_editor_list(isosculpt_stroke_editor *edi
 void isosculpt_stroke_editor_select(isosculpt_stroke_editor *editor, unsigned first, unsigned last) {
     editor->first = first < last ? first : last;
     editor->last = first < last ? last : first;
+    editor->group[0] = 0;
     editor->seeking = false;
     editor->brush = editor->asked; /* to be that of the new stroke */
     editor->changes = 0;
+}
+
+void isosculpt_stroke_editor_select_group(isosculpt_stroke_editor *editor, const char *group) {
+    isosculpt_stroke_editor_select(editor, 0, 0);
+    snprintf(editor->group, sizeof editor->group, "%s", group);
 }
 
 const iso_stroke *isosculpt_stroke_editor_stroke(isosculpt_stroke_editor *editor,
@@ -92,30 +104,66 @@ static void drop_drawing(isosculpt_stroke_editor *editor) {
     isosculpt_task_cancel(editor->task);
 }
 
+const iso_sample *isosculpt_stroke_editor_path(const isosculpt_stroke_editor *editor,
+                                               const iso_stroke *stroke) {
+    for (size_t i = editor->count; i-- > 0;)
+        if (editor->edits[i].kind == ISO_EVENT_PATH && editor->edits[i].first == stroke->number &&
+            editor->edits[i].path_count == stroke->count)
+            return editor->edits[i].path;
+    return stroke->samples;
+}
+
+/* Copies an edit with its path. */
+static iso_status copy_edit(const iso_event *event, iso_event *copy, iso_error *error) {
+    const size_t bytes = event->path_count * sizeof *event->path;
+    *copy = *event;
+    if (!bytes) return ISO_OK;
+    iso_sample *path = malloc(bytes);
+    if (!path) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the path of a stroke");
+    memcpy(path, event->path, bytes);
+    copy->path = path;
+    return ISO_OK;
+}
+
+static void free_edit(iso_event *edit) {
+    free((void *)edit->path);
+    edit->path = NULL;
+}
+
+/* Whether an edit replaces an earlier one, as both give the same stroke a brush or a path. */
+static bool replaces(const iso_event *event, const iso_event *earlier) {
+    return event->kind == earlier->kind && event->first == earlier->first &&
+           (event->kind == ISO_EVENT_EDIT || event->kind == ISO_EVENT_PATH);
+}
+
 iso_status isosculpt_stroke_editor_request(isosculpt_stroke_editor *editor, const iso_event *event,
                                            iso_error *error) {
-    const iso_event *last = editor->count ? &editor->edits[editor->count - 1] : NULL;
-    if (last && event->kind == ISO_EVENT_EDIT && last->kind == ISO_EVENT_EDIT &&
-        last->first == event->first) {
-        editor->edits[editor->count - 1] = *event;
-        if (editor->count == 1) drop_drawing(editor);
-        return ISO_OK;
-    }
+    iso_event *last = editor->count ? &editor->edits[editor->count - 1] : NULL, copy;
     if (editor->count == editor->room) {
         const size_t room = editor->room ? 2 * editor->room : 4;
         iso_event *edits = realloc(editor->edits, room * sizeof *edits);
         if (!edits) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for an edit of a stroke");
         editor->edits = edits;
         editor->room = room;
+        last = editor->count ? &editor->edits[editor->count - 1] : NULL;
     }
-    editor->edits[editor->count++] = *event;
+    ISO_TRY(copy_edit(event, &copy, error));
+    if (!last || !replaces(event, last)) {
+        editor->edits[editor->count++] = copy;
+        return ISO_OK;
+    }
+    free_edit(last);
+    *last = copy;
+    if (editor->count == 1) drop_drawing(editor);
     return ISO_OK;
 }
 
 iso_status isosculpt_stroke_editor_request_all(isosculpt_stroke_editor *editor, iso_event_kind kind,
                                                iso_error *error) {
-    const iso_event event = {.kind = kind, .first = editor->first, .last = editor->last};
-    return editor->first ? isosculpt_stroke_editor_request(editor, &event, error) : ISO_OK;
+    iso_event event = {.kind = kind, .first = editor->first, .last = editor->last};
+    memcpy(event.text, editor->group, sizeof event.text);
+    return editor->first || editor->group[0] ? isosculpt_stroke_editor_request(editor, &event, error)
+                                             : ISO_OK;
 }
 
 iso_status isosculpt_stroke_editor_request_brush(isosculpt_stroke_editor *editor, iso_error *error) {
@@ -142,7 +190,8 @@ iso_status isosculpt_stroke_editor_place(isosculpt_stroke_editor *editor, const 
 
 bool isosculpt_stroke_editor_withdraw(isosculpt_stroke_editor *editor) {
     if (!editor->count) return false;
-    if (--editor->count == 0) drop_drawing(editor);
+    free_edit(&editor->edits[--editor->count]);
+    if (editor->count == 0) drop_drawing(editor);
     editor->changes = 0;
     return true;
 }
@@ -159,7 +208,12 @@ static iso_status draw(void *context, const iso_progress *progress, iso_error *e
 
 static void remove_first(isosculpt_stroke_editor *editor) {
     if (!editor->count) return;
+    free_edit(&editor->edits[0]);
     memmove(editor->edits, editor->edits + 1, --editor->count * sizeof *editor->edits);
+}
+
+static void remove_all(isosculpt_stroke_editor *editor) {
+    while (editor->count) free_edit(&editor->edits[--editor->count]);
 }
 
 /* Ends the task, whose work is done. */
@@ -176,7 +230,7 @@ static iso_status finish(isosculpt_stroke_editor *editor, iso_session *session, 
     if (status == ISO_OK) status = ended;
     editor->prepared |= status == ISO_OK;
     editor->changes = 0;
-    if (cancelled) editor->count = 0;
+    if (cancelled) remove_all(editor);
     if (dropped || cancelled) editor->seeking &= dropped;
     if (dropped || cancelled) return ISO_OK;
     if (edit) remove_first(editor);
@@ -219,7 +273,7 @@ iso_status isosculpt_stroke_editor_start(isosculpt_stroke_editor *editor, iso_se
 
 void isosculpt_stroke_editor_stop(isosculpt_stroke_editor *editor, iso_session *session) {
     bool changed;
-    editor->count = 0;
+    remove_all(editor);
     editor->seeking = false;
     if (!editor->task) return;
     isosculpt_task_cancel(editor->task);

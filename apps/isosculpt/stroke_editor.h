@@ -13,7 +13,8 @@ extern "C" {
 
 /* Zero-initialise; isosculpt_stroke_editor_free before the session is destroyed. */
 typedef struct isosculpt_stroke_editor {
-    unsigned first, last; /* numbers of the strokes that are selected; 0: none */
+    unsigned first, last;         /* numbers of the strokes that are selected; 0: none */
+    char group[ISO_JOURNAL_TEXT]; /* whose strokes are selected instead; "": none */
     iso_brush brush; /* of the stroke, if only one is selected, as the panel changes it; tubes are spheres */
     iso_brush asked; /* as the last edit asks for it */
     unsigned before; /* new strokes are placed before this one; 0: at the end */
@@ -22,8 +23,9 @@ typedef struct isosculpt_stroke_editor {
     iso_error no_list;    /* why there is no list; text[0] == 0: there is one */
     size_t changes;       /* iso_session_stroke_changes + 1; 0: not listed yet */
 
-    iso_event
-        *edits; /* owned; that are still to be made: the first is being drawn if `task`, not `preparing` */
+    /* Edits that are still to be made, owned, with their paths: the first is being drawn if there is a task
+     * that is not `preparing`. */
+    iso_event *edits;
     size_t count, room;
     isosculpt_task *task; /* or NULL */
     double seconds;       /* iso_clock_seconds when it began */
@@ -46,16 +48,23 @@ const iso_stroke_list *isosculpt_stroke_editor_list(isosculpt_stroke_editor *edi
 
 /* Selects the strokes with the numbers first to last, or (0, 0) none. */
 void isosculpt_stroke_editor_select(isosculpt_stroke_editor *editor, unsigned first, unsigned last);
+/* Selects the strokes of a group. */
+void isosculpt_stroke_editor_select_group(isosculpt_stroke_editor *editor, const char *group);
+bool isosculpt_stroke_editor_selects(const isosculpt_stroke_editor *editor, const iso_stroke *stroke);
 /* Selects the last stroke that changed the surface at a world position, as soon as that is known. */
 void isosculpt_stroke_editor_seek(isosculpt_stroke_editor *editor, iso_vec3 place);
 /* The stroke, if one and only one is selected; else NULL. */
 const iso_stroke *isosculpt_stroke_editor_stroke(isosculpt_stroke_editor *editor, const iso_session *session);
 
-/* Requests an edit. One that gives a stroke a brush takes the place of an earlier one that is still to be
- * made. Errors (of memory) leave the requests as they are. */
+/* The samples that a stroke of the list has when all requests are made, as many as it has now. */
+const iso_sample *isosculpt_stroke_editor_path(const isosculpt_stroke_editor *editor,
+                                               const iso_stroke *stroke);
+
+/* Requests an edit, whose path is copied. One that gives a stroke a brush or a path takes the place of an
+ * earlier one that is still to be made. Errors (of memory) leave the requests as they are. */
 iso_status isosculpt_stroke_editor_request(isosculpt_stroke_editor *editor, const iso_event *event,
                                            iso_error *error);
-/* Requests that the selected strokes are deleted, muted, ... (not ISO_EVENT_EDIT). */
+/* Requests that the selected strokes are deleted, muted, reseated ... (not ISO_EVENT_EDIT and _PATH). */
 iso_status isosculpt_stroke_editor_request_all(isosculpt_stroke_editor *editor, iso_event_kind kind,
                                                iso_error *error);
 /* Requests that the selected stroke gets editor->brush, if that has been changed. */

@@ -1,4 +1,4 @@
-/* Parses edits of strokes: RANGE, or RANGE:REST. */
+/* Parses edits of strokes: RANGE, or RANGE:REST, where a group's name can stand for RANGE. */
 #include "apps/isosculpt/stroke_edits.h"
 
 #include <math.h>
@@ -59,6 +59,29 @@ static iso_status parse_radial(const char *text, iso_brush *brush, iso_error *er
     return ISO_OK;
 }
 
+/* NxX/Y/Z, which +MxX/Y/Z may follow for rows; none. */
+static iso_status parse_repeat(const char *text, iso_brush *brush, iso_error *error) {
+    const char *at = text;
+    brush->repeat[0] = brush->repeat[1] = 0;
+    if (strcmp(text, "none") == 0) return ISO_OK;
+    for (int i = 0; i < 2; i++) {
+        iso_vec3 *by = &brush->repeat_by[i];
+        int used = 0;
+        const bool digit = *at >= '0' && *at <= '9';
+        const int found =
+            digit ? sscanf(at, "%3ux%lf/%lf/%lf%n", &brush->repeat[i], &by->x, &by->y, &by->z, &used) : 0;
+        if (found != 4 || (at[used] && (at[used] != '+' || i)))
+            return iso_fail(
+                error, ISO_ERR_USAGE,
+                "repeat: '%s' is neither NxX/Y/Z, a number of images and how far each is moved in "
+                "mm (8x5/0/0; with rows 8x5/0/0+3x0/5/0), nor none",
+                text);
+        if (!at[used]) return ISO_OK;
+        at += used + 1;
+    }
+    return ISO_OK;
+}
+
 /* Three coordinates, mm. (Commas separate the changes of a brush.) */
 static iso_status parse_mirror(const char *text, iso_vec3 *mirror, iso_error *error) {
     int used = 0;
@@ -98,13 +121,14 @@ static iso_status change_brush(const char *key, const char *value, iso_brush *br
     if (strcmp(key, "alpha") == 0) return iso_alpha_find(value, &brush->alpha, error);
     if (strcmp(key, "mirror") == 0) return parse_mirror(value, &brush->mirror, error);
     if (strcmp(key, "radial") == 0) return parse_radial(value, brush, error);
+    if (strcmp(key, "repeat") == 0) return parse_repeat(value, brush, error);
     if (strcmp(key, "pressure-radius") == 0) return parse_switch(key, value, &brush->pressure_radius, error);
     if (strcmp(key, "pressure-strength") == 0)
         return parse_switch(key, value, &brush->pressure_strength, error);
     return iso_fail(
         error, ISO_ERR_USAGE,
         "'%s' is none of tool, shape, falloff, radius, strength, aspect, blend, spacing, color, symmetry, "
-        "mirror, radial, alpha, pressure-radius, pressure-strength",
+        "mirror, radial, repeat, alpha, pressure-radius, pressure-strength",
         key);
 }
 
@@ -125,6 +149,27 @@ static iso_status change_all(const char *changes, iso_brush *brush, iso_error *e
     }
 }
 
+/* Parses a range of strokes, or the name of a group up to the last colon, if something follows that; *end:
+ * behind it. */
+static iso_status parse_strokes(isosculpt_edit *edit, bool has_rest, char **end, iso_error *error) {
+    const char *text = edit->text, *colon = has_rest ? strrchr(text, ':') : NULL;
+    const bool group = text[0] && (text[0] < '0' || text[0] > '9') && edit->kind != ISO_EVENT_GROUP &&
+                       edit->kind != ISO_EVENT_RESEAT && (colon || !has_rest) && colon != text;
+    if (group) {
+        const size_t length = colon ? (size_t)(colon - text) : strlen(text);
+        if (length >= sizeof edit->group)
+            return iso_fail(error, ISO_ERR_USAGE, "the name of a group has at most %zu bytes here",
+                            sizeof edit->group - 1);
+        memcpy(edit->group, text, length);
+        *end = (char *)text + length;
+        return ISO_OK;
+    }
+    ISO_TRY(parse_number(text, end, &edit->first, error));
+    edit->last = edit->first;
+    if (**end == '-') ISO_TRY(parse_number(*end + 1, end, &edit->last, error));
+    return edit->last < edit->first ? iso_fail(error, ISO_ERR_USAGE, "'%s' runs backwards", text) : ISO_OK;
+}
+
 iso_status isosculpt_edits_add(isosculpt_edits *edits, iso_event_kind kind, const char *text,
                                iso_error *error) {
     const bool has_rest = kind == ISO_EVENT_EDIT || kind == ISO_EVENT_MOVE || kind == ISO_EVENT_GROUP;
@@ -132,10 +177,7 @@ iso_status isosculpt_edits_add(isosculpt_edits *edits, iso_event_kind kind, cons
     char *end;
     if (edits->count == ISOSCULPT_EDITS)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d edits of strokes", ISOSCULPT_EDITS);
-    ISO_TRY(parse_number(text, &end, &edit.first, error));
-    edit.last = edit.first;
-    if (*end == '-') ISO_TRY(parse_number(end + 1, &end, &edit.last, error));
-    if (edit.last < edit.first) return iso_fail(error, ISO_ERR_USAGE, "'%s' runs backwards", text);
+    ISO_TRY(parse_strokes(&edit, has_rest, &end, error));
     if (*end != (has_rest ? ':' : 0))
         return iso_fail(error, ISO_ERR_USAGE, has_rest ? "'%s' is not STROKES:..." : "'%s' is not N or N-M",
                         text);
@@ -154,6 +196,11 @@ iso_status isosculpt_edits_add(isosculpt_edits *edits, iso_event_kind kind, cons
     return ISO_OK;
 }
 
+bool isosculpt_edit_names(const isosculpt_edit *edit, const iso_stroke *stroke) {
+    return edit->first ? stroke->number >= edit->first && stroke->number <= edit->last
+                       : strcmp(stroke->group, edit->group) == 0;
+}
+
 iso_status isosculpt_edit_event(const isosculpt_edit *edit, const iso_stroke *stroke, iso_event *event,
                                 iso_error *error) {
     char *end;
@@ -161,7 +208,10 @@ iso_status isosculpt_edit_event(const isosculpt_edit *edit, const iso_stroke *st
     if (edit->kind == ISO_EVENT_MOVE && strcmp(edit->rest, "end") != 0)
         ISO_TRY(parse_number(edit->rest, &end, &event->before, error));
     if (edit->kind == ISO_EVENT_GROUP) memcpy(event->text, edit->rest, strlen(edit->rest) + 1);
+    if (!edit->first) memcpy(event->text, edit->group, sizeof edit->group);
     if (edit->kind != ISO_EVENT_EDIT) return ISO_OK;
+    if (!stroke->number)
+        return iso_fail(error, ISO_ERR_USAGE, "there is no stroke in the group '%s'", edit->group);
     event->first = event->last = stroke->number;
     event->brush = stroke->brush;
     return change_all(edit->rest, &event->brush, error);

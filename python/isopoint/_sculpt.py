@@ -31,7 +31,7 @@ class Brush:
     "blur-mask" (its border, over the radius), "paint", "trim-plane", "trim-lasso" or "crop-lasso"; `shape` of the first four: "sphere", "box", "capsule",
     "cylinder", "torus" or "stamp". Sizes in mm; `aspect` and `spacing` in radii; 0 means the usual. `symmetry`: "x",
     "yz" .., mirrored at planes through `mirror`; `radial`: that many images (2 to 32), turned around the `radial_axis`
-    through it. `color`: "#rrggbb", of the surface that "paint", the first four, "inflate", "fill" and "clay" make; None: it
+    through it; `repeat`: (8, 3) are three rows of eight images, moved by multiples of the two vectors `repeat_by`. `color`: "#rrggbb", of the surface that "paint", the first four, "inflate", "fill" and "clay" make; None: it
     has no paint. The last three tools act when the stroke ends: they remove what is to the right of the line from its first
     position to its last, in the outline of its positions, or outside of that, for a viewer whom its normals point to. `alpha`, of "smooth" to "clay":
     "fixed" or "follows", if the greys of the picture that `Sculpt.set_stamp` has set weigh what they do, upright or turned along
@@ -51,6 +51,8 @@ class Brush:
     color: Optional[Color] = None
     radial: int = 0
     radial_axis: str = "z"
+    repeat: Sequence[int] = (0, 0)
+    repeat_by: Sequence[Floats] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     alpha: str = "none"
 
     @classmethod
@@ -62,6 +64,7 @@ class Brush:
                    (b.mirror.x, b.mirror.y, b.mirror.z), b.pressure_radius, b.pressure_strength,
                    "#%02x%02x%02x" % (b.color.r, b.color.g, b.color.b) if b.has_color else None,
                    b.radial, (b.radial_axis if b.radial_axis != b"\0" else b"z").decode(),
+                   (b.repeat[0], b.repeat[1]), tuple((p.x, p.y, p.z) for p in b.repeat_by),
                    name(_ALPHAS, b.alpha))
 
     def _made(self) -> Any:
@@ -71,6 +74,7 @@ class Brush:
             "aspect": self.aspect, "blend": self.blend, "spacing": self.spacing, "mirror": vec3(self.mirror, "mirror"),
             "symmetry": sum(1 << "xyz".index(a) for a in set(self.symmetry)), "pressure_radius": self.pressure_radius,
             "pressure_strength": self.pressure_strength, "has_color": self.color is not None,
+            "repeat": [int(n) for n in self.repeat], "repeat_by": [vec3(p, "repeat_by") for p in self.repeat_by],
             "alpha": one_of(_ALPHAS, self.alpha, "alpha"), "color": rgb(self.color or "000000")[0], "radial": self.radial, "radial_axis": one_of(_AXES, self.radial_axis,
                                                                                                  "radial_axis")})
 
@@ -197,6 +201,35 @@ class Sculpt:
         """Moves strokes: they are drawn before the stroke `before`, or (0) last."""
         with self.volume._lock:
             call(lib.iso_sculpt_move, self._handle, first, last or first, before)
+
+    def path(self, number: int) -> "tuple[np.ndarray, np.ndarray]":
+        """The positions and normals of a past stroke, (n, 3) each, mm."""
+        at, count = ffi.new("const iso_sample **"), ffi.new("size_t *")
+        with self.volume._lock:
+            call(lib.iso_sculpt_get_path, self._handle, number, at, count)
+            numbers = np.frombuffer(bytes(ffi.buffer(at[0], count[0] * ffi.sizeof("iso_sample"))), float).reshape(-1, 8)
+        return numbers[:, :3].copy(), numbers[:, 3:6].copy()
+
+    def set_path(self, number: int, positions: Any, normals: Any = None) -> None:
+        """Moves the path of a past stroke: as many positions as it has, and normals (None: it keeps its own)."""
+        positions = np.asarray(positions, float)
+        at, count = ffi.new("const iso_sample **"), ffi.new("size_t *")
+        with self.volume._lock:
+            call(lib.iso_sculpt_get_path, self._handle, number, at, count)
+            if positions.shape != (count[0], 3):
+                raise usage(f"stroke {number} has {count[0]} positions, not {positions.shape}")
+            samples = ffi.new("iso_sample[]", count[0])
+            ffi.memmove(samples, at[0], count[0] * ffi.sizeof("iso_sample"))
+            numbers = np.frombuffer(ffi.buffer(samples), float).reshape(-1, 8)
+            numbers[:, :3] = positions
+            if normals is not None:
+                numbers[:, 3:6] = normals
+            call(lib.iso_sculpt_set_path, self._handle, number, samples, count[0])
+
+    def reseat(self, first: int, last: Optional[int] = None) -> None:
+        """Moves strokes along with the surface that edits of earlier strokes have moved from under them."""
+        with self.volume._lock:
+            call(lib.iso_sculpt_reseat, self._handle, first, last or first)
 
     def freeze(self, volume: Volume, isovalue: float) -> None:
         """Freezes the voxels in the solid that a volume has at an isovalue, as a stroke of its own, which can be undone; a

@@ -502,13 +502,22 @@ class Sculpting(unittest.TestCase):
         self.assertTrue(same(s, field(b, c)))
         self.assertEqual([x.muted for x in s.strokes], [True, False, False])
         s.unmute(1)
+        positions, normals = s.path(2)
+        self.assertEqual(positions.shape, normals.shape)
+        s.set_path(2, positions + (0, 0, 1.5))
+        np.testing.assert_array_equal(s.path(2)[0], positions + (0, 0, 1.5))
+        np.testing.assert_array_equal(s.path(2)[1], normals)
+        s.reseat(2, 3)
+        s.undo()
+        s.undo()
+        np.testing.assert_array_equal(s.path(2)[0], positions)
         s.move(3, before=1)
         self.assertEqual([x.number for x in s.strokes], [3, 1, 2])
         self.assertTrue(same(s, field(c, a, b)))
         s.move(3)
         s.delete(1)
         self.assertTrue(same(s, field(b, c)))
-        for wrong in (lambda: s.mute(9), lambda: s.delete(0), lambda: s.move(2, before=2), lambda: s.edit(2, isopoint.Brush(-1))):
+        for wrong in (lambda: s.mute(9), lambda: s.delete(0), lambda: s.move(2, before=2), lambda: s.path(9), lambda: s.set_path(2, [[0, 0, 0]] * 99), lambda: s.reseat(9), lambda: s.edit(2, isopoint.Brush(-1))):
             with self.assertRaises(isopoint.UsageError):
                 wrong()
         self.assertTrue(same(s, field(b, c)))

@@ -299,6 +299,29 @@ iso_status iso_sculpt_move(iso_sculpt *sculpt, unsigned first, unsigned last, un
                 error);
 }
 
+iso_status iso_sculpt_get_path(iso_sculpt *sculpt, unsigned number, const iso_sample **samples, size_t *count,
+                               iso_error *error) {
+    ISO_TRY(list_strokes(sculpt, error));
+    const iso_stroke *stroke = iso_stroke_find(&sculpt->strokes, number);
+    if (!stroke) return iso_fail(error, ISO_ERR_USAGE, "there is no stroke %u", number);
+    *samples = stroke->samples;
+    *count = stroke->count;
+    return ISO_OK;
+}
+
+iso_status iso_sculpt_set_path(iso_sculpt *sculpt, unsigned number, const iso_sample *samples, size_t count,
+                               iso_error *error) {
+    return edit(
+        sculpt,
+        (iso_event){
+            .kind = ISO_EVENT_PATH, .first = number, .last = number, .path = samples, .path_count = count},
+        error);
+}
+
+iso_status iso_sculpt_reseat(iso_sculpt *sculpt, unsigned first, unsigned last, iso_error *error) {
+    return edit(sculpt, (iso_event){.kind = ISO_EVENT_RESEAT, .first = first, .last = last}, error);
+}
+
 iso_status iso_sculpt_freeze(iso_sculpt *sculpt, iso_volume *volume, double isovalue, iso_error *error) {
     return iso_source_freeze(sculpt->session, &volume->grid, isovalue, sculpt->volume.pool, error);
 }

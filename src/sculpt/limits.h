@@ -27,7 +27,9 @@
     X(BLEND, "blend", 0, 1024, "voxels")                                                                     \
     X(SPACING, "spacing", 0.01, 10, "radii")                                                                 \
     X(SYMMETRY, "symmetry", 0, 7, "")                                                                        \
-    X(RADIAL, "radial", 2, 32, "images") /* ISO_RADIAL_MOST */                                               \
+    X(RADIAL, "radial", 2, 32, "images")  /* ISO_RADIAL_MOST */                                              \
+    X(REPEAT, "repeat", 0, 256, "images") /* ISO_IMAGES_MOST */                                              \
+    X(REPEAT_BY, "distance of repeated images", -1e6, 1e6, "voxels")                                         \
     X(MIRROR, "mirror plane", -1e9, 1e9, "voxels")                                                           \
     /* a sample; positions are relative to the grid's first voxel */                                         \
     X(POSITION, "distance from the grid's origin", -1e6, 1e6, "voxels")                                      \

@@ -49,4 +49,25 @@ until_ "the answer" is_not_modal
 journal=$before # (the new session had one of its own)
 stroke 560 450 10 0
 last | grep -q '"radial":5,"radial_axis":"x"' || fail "recovered without its symmetry: $(last | cut -c1-500)"
+
+# ---- repeated: the number of copies is typed in the section at the end of the panel, which is scrolled to
+stop
+anew
+start
+to_the_end() { xdotool mousemove 150 700 sleep 0.1 click --repeat 30 --delay 10 5 sleep 0.3; }
+repeats() {
+    to_the_end
+    [ -n "${opened:-}" ] || press 60 779
+    opened=yes
+    to_the_end
+    xdotool mousemove 100 695 sleep 0.3 click --repeat 2 --delay 80 1 sleep 0.4
+    xdotool key --delay 80 ctrl+a 3 Return sleep 0.3
+    stroke 620 400 0 20
+    last | grep -q '"repeat":\[3,[01]\],"repeat_by":\[\[16.0,0.0,0.0\]'
+}
+until_ "three copies" repeats
+picture three
+"$bin/isosculpt" --replay "$journal" --headless --quiet --output three.ply
+"$bin/isosculpt" --replay "$journal" --headless --quiet --edit 1:repeat=none --output one.ply
+cmp -s three.ply one.ply && fail "three copies and one are the same"
 echo "passed"

@@ -208,9 +208,7 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int mods
         record_typed(&w->screen.browser.typed, key);
         return;
     }
-    if (key == GLFW_KEY_ESCAPE && w->controller.drag != ISOSCULPT_DRAG_BRUSH &&
-        w->controller.drag != ISOSCULPT_DRAG_OUTLINE)
-        handle_escape(w);
+    if (key == GLFW_KEY_ESCAPE && !isosculpt_controller_is_drawing(&w->controller)) handle_escape(w);
     if (action == GLFW_PRESS && key == GLFW_KEY_TAB) w->screen.panel = !w->screen.panel;
     if (action == GLFW_PRESS && meaning == 'h') w->screen.help = !w->screen.help;
     if (action == GLFW_PRESS && !(mods & (GLFW_MOD_CONTROL | GLFW_MOD_ALT)) &&

@@ -43,6 +43,7 @@ static void adopt_document(window *w) {
         w->controller.brush = brush;
         w->controller.brush.mirror = middle;
         w->controller.brush.symmetry = w->controller.brush.radial = 0;
+        w->controller.brush.repeat[0] = w->controller.brush.repeat[1] = 0;
         w->controller.brush.radius = brush.radius / before * voxel;
     }
     if (w->document.look[0]) isosculpt_look_apply(&w->controller, w->document.look); /* it is recovered */
@@ -162,6 +163,8 @@ static void apply_queued_strokes(window *w, const iso_brush *brush, isosculpt_st
     w->controller.brush.mirror = brush->mirror;
     w->controller.brush.radial = brush->radial;
     w->controller.brush.radial_axis = brush->radial_axis;
+    memcpy(w->controller.brush.repeat, brush->repeat, sizeof brush->repeat);
+    memcpy(w->controller.brush.repeat_by, brush->repeat_by, sizeof brush->repeat_by);
     isosculpt_controller_apply_strokes(&w->controller, queued);
 }
 

@@ -466,9 +466,9 @@ static void draw_panel(isosculpt_panel *panel, isosculpt_screen *screen) {
     if (screen->volume && ImGui::CollapsingHeader("Colour by data")) panel_draw_colors(screen);
     if (ImGui::CollapsingHeader("Numbers"))
         draw_numbers_section(screen->controller, viewing_volume ? nullptr : screen);
-    if (!viewing_volume && ImGui::CollapsingHeader("Strokes"))
-        panel_draw_strokes(screen->controller, panel->scale);
+    if (!viewing_volume) panel_draw_strokes(screen->controller, panel->scale);
     if (!viewing_volume) panel_draw_measure(screen->controller);
+    if (!viewing_volume) panel_draw_repeat(screen->controller);
     ImGui::PopItemWidth();
     panel->place = rectangle{ImGui::GetWindowPos(), ImGui::GetWindowSize()};
     ImGui::End();

@@ -37,7 +37,7 @@ static void draw_ring(const isosculpt_screen *screen, ImDrawList *list, iso_vec3
 
 void panel_draw_brush(const isosculpt_screen *screen, float scale) {
     ImDrawList *list = ImGui::GetBackgroundDrawList();
-    const isosculpt_controller *controller = screen->controller;
+    isosculpt_controller *controller = screen->controller;
     isosculpt_pick pick;
     double x, y;
     if (controller->measuring.on || iso_tool_is_trim(controller->brush.tool) ||
@@ -119,22 +119,44 @@ static void draw_path(const isosculpt_screen *screen, ImDrawList *list, const is
     }
 }
 
-/* Draws the paths of the strokes that are selected; how far the brush of a single one reaches at its
- * ends, too. */
+/* Draws the handles of a path. */
+static void draw_handles(const isosculpt_screen *screen, ImDrawList *list, const iso_sample *samples,
+                         size_t count, ImU32 color, float scale) {
+    size_t at[ISOSCULPT_HANDLES];
+    const int handles = isosculpt_path_handles(samples, count, at),
+              taken = isosculpt_controller_path_handle(screen->controller);
+    const float half = 5 * scale;
+    double x, y;
+    for (int i = 0; i < handles; i++) {
+        if (!isosculpt_pick_buffer_pixel(&screen->controller->viewport->drawn, samples[at[i]].position, &x,
+                                         &y))
+            continue;
+        const ImVec2 middle = to_window(screen, x, y);
+        list->AddCircleFilled(middle, half, i == taken ? IM_COL32_WHITE : color);
+        list->AddCircle(middle, half, IM_COL32(0, 0, 0, 190), 0, 1.5f * scale);
+    }
+}
+
+/* Draws the paths of the strokes that are selected; of a single one its handles, too, and how far its brush
+ * reaches at its ends. */
 static void draw_selected(const isosculpt_screen *screen, ImDrawList *list, float scale) {
-    const unsigned most = 100;
+    int left = 100; /* more would hide the picture */
     const ImU32 color = IM_COL32(255, 200, 60, 230);
     isosculpt_document *document = screen->controller->document;
     isosculpt_stroke_editor *editor = &document->strokes;
-    const iso_stroke_list *strokes =
-        editor->first ? isosculpt_stroke_editor_list(editor, document->session) : nullptr;
-    if (!strokes || editor->last - editor->first >= most) return;
-    for (unsigned number = editor->first; number && number <= editor->last; number++) {
-        const iso_stroke *stroke = iso_stroke_find(strokes, number);
-        if (!stroke || stroke->brush.tool >= ISO_TOOL_CLEAR_MASK) continue;
-        draw_path(screen, list, stroke->samples, stroke->count, color, scale);
-        if (editor->first != editor->last || iso_tool_is_trim(stroke->brush.tool)) continue;
-        for (const iso_sample *end : {&stroke->samples[0], &stroke->samples[stroke->count - 1]})
+    const bool any = editor->first || editor->group[0];
+    const iso_stroke_list *strokes = any ? isosculpt_stroke_editor_list(editor, document->session) : nullptr;
+    for (size_t i = 0; strokes && i < strokes->count && left; i++) {
+        const iso_stroke *stroke = iso_stroke_at(strokes, i);
+        if (!isosculpt_stroke_editor_selects(editor, stroke) || !isosculpt_tool_has_path(stroke->brush.tool))
+            continue;
+        const iso_sample *samples = isosculpt_controller_path(screen->controller, stroke);
+        draw_path(screen, list, samples, stroke->count, color, scale);
+        left--;
+        if (!editor->first || editor->first != editor->last) continue;
+        draw_handles(screen, list, samples, stroke->count, color, scale);
+        if (iso_tool_is_trim(stroke->brush.tool)) continue;
+        for (const iso_sample *end : {&samples[0], &samples[stroke->count - 1]})
             draw_ring(screen, list, end->position, end->normal, editor->brush.radius, color, scale);
     }
 }

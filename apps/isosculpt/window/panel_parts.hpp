@@ -55,6 +55,7 @@ void panel_draw_cut(isosculpt_screen *screen);
 void panel_draw_reference(isosculpt_screen *screen);
 void panel_draw_measure(isosculpt_controller *controller); /* panel_measure.cc */
 void panel_draw_strokes(isosculpt_controller *controller, float scale);
+void panel_draw_repeat(isosculpt_controller *controller); /* panel_repeat.cc */
 /* Above the widgets of the brush: which stroke they change. Returns it, NULL: the strokes to come. */
 const iso_stroke *panel_draw_stroke_title(isosculpt_controller *controller);
 

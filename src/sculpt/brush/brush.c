@@ -66,6 +66,25 @@ typedef struct range {
     double value, low, high;
 } range;
 
+static iso_status check_images(const iso_brush *brush, iso_error *error) {
+    for (int i = 0; i < 2; i++) {
+        const iso_vec3 by = brush->repeat_by[i];
+        const double length = iso_vec3_length(by);
+        if (brush->repeat[i] > ISO_IMAGES_MOST)
+            return iso_fail(error, ISO_ERR_USAGE, "brush: repeated %u times: at most %d", brush->repeat[i],
+                            ISO_IMAGES_MOST);
+        if (brush->repeat[i] > 1 && !(length > 0 && length <= 1e9))
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "brush: repeated images that are moved by %g mm: must be above 0, at most 1e9",
+                            length);
+    }
+    const int count = iso_brush_image_count(brush);
+    return count <= ISO_IMAGES_MOST
+               ? ISO_OK
+               : iso_fail(error, ISO_ERR_USAGE, "brush: %d images of a touch: at most %d", count,
+                          ISO_IMAGES_MOST);
+}
+
 iso_status iso_brush_check(const iso_brush *brush, iso_error *error) {
     if ((unsigned)brush->tool >= ISO_TOOL_COUNT || (unsigned)brush->shape >= ISO_SOLID_COUNT ||
         (unsigned)brush->falloff >= ISO_FALLOFF_COUNT || (unsigned)brush->alpha >= ISO_ALPHA_COUNT ||
@@ -89,7 +108,13 @@ iso_status iso_brush_check(const iso_brush *brush, iso_error *error) {
         if (!(ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high))
             return iso_fail(error, ISO_ERR_USAGE, "brush: %s %g: must be %g .. %g", ranges[i].name,
                             ranges[i].value, ranges[i].low, ranges[i].high);
-    return ISO_OK;
+    return check_images(brush, error);
+}
+
+static bool is_same_line(const iso_brush *a, const iso_brush *b, int which) {
+    const iso_vec3 *p = &a->repeat_by[which], *q = &b->repeat_by[which];
+    if (a->repeat[which] < 2 || b->repeat[which] < 2) return a->repeat[which] < 2 && b->repeat[which] < 2;
+    return a->repeat[which] == b->repeat[which] && p->x == q->x && p->y == q->y && p->z == q->z;
 }
 
 bool iso_brush_is_same(const iso_brush *a, const iso_brush *b) {
@@ -100,8 +125,8 @@ bool iso_brush_is_same(const iso_brush *a, const iso_brush *b) {
            iso_brush_is_radial(a) == iso_brush_is_radial(b) &&
            (!iso_brush_is_radial(a) ||
             (a->radial == b->radial && iso_brush_radial_axis(a) == iso_brush_radial_axis(b))) &&
-           a->pressure_radius == b->pressure_radius && a->pressure_strength == b->pressure_strength &&
-           a->has_color == b->has_color &&
+           is_same_line(a, b, 0) && is_same_line(a, b, 1) && a->pressure_radius == b->pressure_radius &&
+           a->pressure_strength == b->pressure_strength && a->has_color == b->has_color &&
            (!a->has_color ||
             (a->color.r == b->color.r && a->color.g == b->color.g && a->color.b == b->color.b));
 }
@@ -116,6 +141,10 @@ int iso_brush_radial_axis(const iso_brush *brush) {
     return brush->radial_axis ? brush->radial_axis - 'x' : 2;
 }
 
+bool iso_brush_is_repeated(const iso_brush *brush) {
+    return brush->repeat[0] > 1 || brush->repeat[1] > 1;
+}
+
 /* Returns the turn number `index` of `count` around an axis; half and quarter turns are exact. */
 static iso_brush_image make_turn(int index, int count, int axis) {
     static const double quarters[] = {1, 0, -1, 0};
@@ -128,19 +157,43 @@ static iso_brush_image make_turn(int index, int count, int axis) {
     return image;
 }
 
-int iso_brush_images(const iso_brush *brush, iso_brush_image images[ISO_IMAGES_MOST]) {
-    const int axis = iso_brush_radial_axis(brush),
-              turns = iso_brush_is_radial(brush) ? (int)brush->radial : 1;
+static int turns_of(const iso_brush *brush) {
+    return iso_brush_is_radial(brush) ? (int)brush->radial : 1;
+}
+
+/* The mirror planes that make further images: two along the axis of a radial symmetry make half a turn, which
+ * is there already if the number of turns is even. */
+static unsigned planes_of(const iso_brush *brush) {
+    const int axis = iso_brush_radial_axis(brush);
     const unsigned beside = (1u << (axis + 1) % 3) | (1u << (axis + 2) % 3);
-    unsigned symmetry = brush->symmetry;
-    /* two mirror planes along the axis make half a turn, which is there already if the number is even */
-    if (turns % 2 == 0 && (symmetry & beside) == beside) symmetry &= ~(1u << (axis + 2) % 3);
+    const bool twice = turns_of(brush) % 2 == 0 && (brush->symmetry & beside) == beside;
+    return twice ? brush->symmetry & ~(1u << (axis + 2) % 3) : brush->symmetry;
+}
+
+static int repeats(const iso_brush *brush, int which) {
+    return brush->repeat[which] > 1 ? (int)brush->repeat[which] : 1;
+}
+
+int iso_brush_image_count(const iso_brush *brush) {
+    int count = turns_of(brush) * repeats(brush, 0) * repeats(brush, 1);
+    for (int axis = 0; axis < 3; axis++) count *= planes_of(brush) >> axis & 1 ? 2 : 1;
+    return count;
+}
+
+int iso_brush_images(const iso_brush *brush, iso_brush_image images[ISO_IMAGES_MOST]) {
+    const int turns = turns_of(brush), along = repeats(brush, 0), copies = along * repeats(brush, 1);
+    const unsigned planes = planes_of(brush);
     int count = 0;
     for (unsigned bits = 0; bits < 8; bits++)
-        for (int i = 0; i < turns && !(bits & ~symmetry); i++) {
-            images[count] = make_turn(i, turns, axis);
-            images[count].through = brush->mirror;
-            images[count++].mirrored = bits;
+        for (int i = 0; i < turns * copies && !(bits & ~planes) && count < ISO_IMAGES_MOST; i++) {
+            const int copy = i / turns;
+            iso_brush_image *image = &images[count++];
+            *image = make_turn(i % turns, turns, iso_brush_radial_axis(brush));
+            image->through = brush->mirror;
+            image->mirrored = bits;
+            image->moved = copy > 0;
+            image->by = iso_vec3_add(iso_vec3_scale(brush->repeat_by[0], copy % along),
+                                     iso_vec3_scale(brush->repeat_by[1], copy / along));
         }
     return count;
 }
@@ -164,6 +217,7 @@ static iso_vec3 reflect(const iso_brush_image *image, iso_vec3 v, iso_vec3 at) {
 
 iso_vec3 iso_brush_image_point(const iso_brush_image *image, iso_vec3 point) {
     const iso_vec3 at = image->through;
+    if (image->moved) point = iso_vec3_add(point, image->by);
     return reflect(image, image->turned ? iso_vec3_add(turn(image, iso_vec3_sub(point, at)), at) : point, at);
 }
 

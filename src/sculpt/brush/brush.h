@@ -99,12 +99,15 @@ bool iso_tool_is_trim(iso_tool tool);
 /* Whether a picture of heights weighs what the tool does: SMOOTH to CLAY. */
 bool iso_tool_has_alpha(iso_tool tool);
 
-/* The images of a touch, all of which act: with radial symmetry turned ones, and with mirror planes the
- * mirror images of these. The first is the touch itself. No two are the same. */
+/* The images of a touch, all of which act: repeated ones, with radial symmetry turned ones of these, and with
+ * mirror planes the mirror images of all. The first is the touch itself. Unless it is repeated no two are the
+ * same. */
 enum { ISO_RADIAL_MOST = 32, ISO_IMAGES_MOST = 8 * ISO_RADIAL_MOST };
 
-/* First turned around an axis, then mirrored. */
+/* First moved, then turned around an axis, then mirrored. */
 typedef struct iso_brush_image {
+    bool moved;
+    iso_vec3 by;
     iso_vec3 through; /* a point of the axis and of all mirror planes */
     int axis;         /* 0: x, 1: y, 2: z */
     bool turned;
@@ -115,7 +118,10 @@ typedef struct iso_brush_image {
 bool iso_brush_is_radial(const iso_brush *brush);
 /* The axis of the radial symmetry, 0 (x) to 2 (z, also if the brush names none). */
 int iso_brush_radial_axis(const iso_brush *brush);
-/* Lists the images of a brush's touches and returns their number. */
+bool iso_brush_is_repeated(const iso_brush *brush);
+/* Returns the number of images; a brush with more than ISO_IMAGES_MOST is refused (iso_brush_check). */
+int iso_brush_image_count(const iso_brush *brush);
+/* Lists the images of a brush's touches, at most ISO_IMAGES_MOST, and returns their number. */
 int iso_brush_images(const iso_brush *brush, iso_brush_image images[ISO_IMAGES_MOST]);
 /* Return the image of a point and of a direction; by half and quarter turns and mirrors these are exact but
  * for the rounding of sums. */

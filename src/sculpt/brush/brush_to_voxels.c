@@ -82,14 +82,15 @@ static double length_of(const double a[3], const double b[3]) {
                 (a[2] - b[2]) * (a[2] - b[2]));
 }
 
-/* Whether no voxel is within the influence of two dabs. All images see the others alike, so that the
- * distances from the first one tell. */
-static bool are_apart(const iso_dabs *dabs) {
+/* Whether no voxel is within the influence of two dabs. Turned and mirrored images see the others alike, so
+ * that the distances from the first one tell; of repeated ones, which have ends, all do. */
+static bool are_apart(const iso_dabs *dabs, bool repeated) {
     const iso_dab *first = &dabs->dab[0];
     const double least = 2 * (iso_dabs_influence(dabs) + 1 +
                               (dabs->solid == ISO_SOLID_CAPSULE ? length_of(first->centre, first->from) : 0));
-    for (int i = 1; i < dabs->count; i++)
-        if (length_of(first->centre, dabs->dab[i].centre) < least) return false;
+    for (int k = 0; k < (repeated ? dabs->count : 1); k++)
+        for (int i = k + 1; i < dabs->count; i++)
+            if (length_of(dabs->dab[k].centre, dabs->dab[i].centre) < least) return false;
     return true;
 }
 
@@ -146,8 +147,8 @@ void iso_dabs_make(const iso_dab_space *space, const iso_brush *brush, const iso
     dabs->stamp = space->stamp && space->stamp->count ? iso_stamp_level(space->stamp, radius_voxels) : NULL;
     if (brush->alpha != ISO_ALPHA_NONE && iso_tool_has_alpha(brush->tool) && space->stamp)
         dabs->heights = space->stamp->heights.value ? &space->stamp->heights : NULL;
-    dabs->radial = iso_brush_is_radial(brush);
+    dabs->averaged = iso_brush_is_radial(brush) || iso_brush_is_repeated(brush);
     dabs->count = iso_brush_images(brush, images);
     for (int i = 0; i < dabs->count; i++) make_dab(space, brush, touch, &images[i], &dabs->dab[i]);
-    dabs->apart = dabs->count == 1 || (dabs->radial && are_apart(dabs));
+    dabs->apart = dabs->count == 1 || (dabs->averaged && are_apart(dabs, iso_brush_is_repeated(brush)));
 }

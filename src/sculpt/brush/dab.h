@@ -4,8 +4,8 @@
  * coordinates; iso_dabs_make converts an iso_brush (millimetres) to them. A kernel reads the brick and
  * its face neighbours, or a window of the field, and writes the new values to other memory. Images act
  * together, so a symmetric field stays symmetric: the union of their solids; the sum of the displacements of
- * mirror images; of radial images, many of which can lie on one another, the mean by weight of their
- * displacements, times the largest weight.
+ * mirror images; of radial and repeated images, many of which can lie on one another, the mean by weight of
+ * their displacements, times the largest weight.
  * Internal to sculpt. */
 #ifndef ISO_SCULPT_BRUSH_DAB_H
 #define ISO_SCULPT_BRUSH_DAB_H
@@ -32,7 +32,7 @@ bool iso_tool_is_drag(iso_tool tool);
  * CLAY. */
 bool iso_tool_has_area_plane(iso_tool tool);
 
-/* The largest number of dabs of a touch: its images; without radial symmetry its mirror images. */
+/* The largest number of dabs of a touch: its images; if they are not averaged its mirror images. */
 enum { ISO_DAB_MAX = ISO_IMAGES_MOST, ISO_MIRRORED_MAX = 8 };
 
 /* One image of a touch. */
@@ -55,7 +55,7 @@ typedef struct iso_dabs {
     float band;     /* of the grid, voxels */
     uint32_t color; /* the brush's, as of a painted voxel (field/paint.h); 0: it has none */
     int cover;      /* how much of the colour a touch lays on, at its centre; 0 .. ISO_PAINT_ONE */
-    bool radial;    /* the images are not (only) mirror images */
+    bool averaged;  /* the images are not (only) mirror images: where they overlap their mean acts */
     bool apart; /* no voxel is within the influence of two dabs (false: of mirror images, also if none is) */
     const iso_hgrid *stamp;     /* the level of the stamp for this radius; NULL: no stamp is set */
     const iso_heights *heights; /* that weigh what the dabs do; NULL: nothing does */

@@ -310,8 +310,8 @@ ISO_INLINE vf mirrored_change(const iso_dabs *dabs, const iso_local_dabs *local,
     return sum_mirrored(local, part);
 }
 
-ISO_INLINE vf radial_change(const iso_dabs *dabs, const iso_local_dabs *local, int row, int x, bool heights,
-                            vf f) {
+ISO_INLINE vf averaged_change(const iso_dabs *dabs, const iso_local_dabs *local, int row, int x, bool heights,
+                              vf f) {
     weights all = no_weights();
     vf sum = v_set(0);
     for (int i = 0; i < local->count; i++) {
@@ -324,12 +324,12 @@ ISO_INLINE vf radial_change(const iso_dabs *dabs, const iso_local_dabs *local, i
 }
 
 ISO_INLINE void offset_rows(const iso_dabs *dabs, const iso_local_dabs *local, const iso_stencil *phi,
-                            float *out, bool radial, bool heights) {
+                            float *out, bool averaged, bool heights) {
     for (int row = 0; row < ISO_BRICK_ROWS; row++)
         for (int x = 0; x < ISO_BRICK; x += ISO_LANES) {
             const vf f = v_load(phi->self + row * ISO_BRICK + x);
-            const vf change = radial ? radial_change(dabs, local, row, x, heights, f)
-                                     : mirrored_change(dabs, local, row, x, heights, f);
+            const vf change = averaged ? averaged_change(dabs, local, row, x, heights, f)
+                                       : mirrored_change(dabs, local, row, x, heights, f);
             const vf made = clamped(f + change, dabs->band);
             v_store(out + row * ISO_BRICK + x, v_select(v_lt(v_abs(f), v_set(dabs->band)), made, f));
         }
@@ -337,10 +337,10 @@ ISO_INLINE void offset_rows(const iso_dabs *dabs, const iso_local_dabs *local, c
 
 static void edit_offset(const iso_dabs *dabs, const iso_local_dabs *local, const iso_stencil *phi,
                         float *out) {
-    if (!dabs->radial && !dabs->heights)
+    if (!dabs->averaged && !dabs->heights)
         offset_rows(dabs, local, phi, out, false, false);
     else
-        offset_rows(dabs, local, phi, out, dabs->radial, dabs->heights != NULL);
+        offset_rows(dabs, local, phi, out, dabs->averaged, dabs->heights != NULL);
 }
 
 /* Returns by how much the mean of the six face neighbours exceeds a voxel's value (a sixth of the Laplacian).
@@ -399,13 +399,13 @@ typedef struct ex_shifts {
 } ex_shifts;
 
 ISO_INLINE void begin_shifts(const iso_dabs *dabs, ex_shifts *s) {
-    if (dabs->radial) s->x[0] = s->y[0] = s->z[0] = v_set(0);
+    if (dabs->averaged) s->x[0] = s->y[0] = s->z[0] = v_set(0);
     s->all = no_weights();
 }
 
 /* Adds the displacement (x, y, z) by dab `i`, which acts with the weight w. */
 ISO_INLINE void add_shift(const iso_dabs *dabs, ex_shifts *s, int i, vf w, const vf_vector *shift) {
-    if (!dabs->radial) {
+    if (!dabs->averaged) {
         s->x[i] = shift->x;
         s->y[i] = shift->y;
         s->z[i] = shift->z;
@@ -419,7 +419,7 @@ ISO_INLINE void add_shift(const iso_dabs *dabs, ex_shifts *s, int i, vf w, const
 
 ISO_INLINE vf_vector sum_shifts(const iso_dabs *dabs, const iso_local_dabs *local, const ex_shifts *s) {
     vf_vector p;
-    if (dabs->radial) {
+    if (dabs->averaged) {
         const vf factor = factor_of(&s->all);
         p.x = s->x[0] * factor;
         p.y = s->y[0] * factor;

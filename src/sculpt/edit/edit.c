@@ -585,7 +585,7 @@ static iso_status touch_outline(iso_editor *editor, const iso_brush *brush, cons
     iso_dabs dabs;
     carve.tool = brush->blend > 0 ? ISO_TOOL_BLEND_CARVE : ISO_TOOL_CARVE;
     carve.shape = ISO_SOLID_SPHERE;
-    carve.symmetry = carve.radial = 0;
+    carve.symmetry = carve.radial = carve.repeat[0] = carve.repeat[1] = 0;
     carve.pressure_radius = carve.pressure_strength = false;
     make_dabs(editor, &carve, &nowhere, &dabs);
     dabs.outline = outline;

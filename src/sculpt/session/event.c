@@ -9,12 +9,14 @@
 #include <string.h>
 
 #include "base/crc32c.h"
+#include "base/memory.h"
 #include "sculpt/limits.h"
 #include "sculpt/session/event_limits.h"
 
 static const char FORMAT[] = "isopoint strokes";
-static const char *const KINDS[] = {"begin", "sample", "end",    "cancel", "undo",   "redo", "snapshot",
-                                    "stamp", "edit",   "delete", "mute",   "unmute", "move", "group"};
+static const char *const KINDS[] = {"begin",    "sample", "end",  "cancel", "undo", "redo",
+                                    "snapshot", "stamp",  "edit", "delete", "mute", "unmute",
+                                    "move",     "group",  "path", "reseat"};
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
 
 /* The number of characters of the end of a line: `,"crc":"xxxxxxxx"}`. */
@@ -77,6 +79,12 @@ static json_t *brush_json(const iso_brush *brush) {
     if (!failed && iso_brush_is_radial(brush))
         failed |= json_object_set_new(object, "radial", json_integer(brush->radial)) ||
                   json_object_set_new(object, "radial_axis", json_string(axis));
+    if (!failed && iso_brush_is_repeated(brush))
+        failed |= json_object_set_new(object, "repeat",
+                                      json_pack("[ii]", (int)brush->repeat[0], (int)brush->repeat[1])) ||
+                  json_object_set_new(
+                      object, "repeat_by",
+                      json_pack("[oo]", vector_json(brush->repeat_by[0]), vector_json(brush->repeat_by[1])));
     snprintf(color, sizeof color, "#%02x%02x%02x", brush->color.r, brush->color.g, brush->color.b);
     if (!failed && brush->alpha != ISO_ALPHA_NONE)
         failed |= json_object_set_new(object, "alpha", json_string(iso_alpha_name(brush->alpha)));
@@ -108,17 +116,39 @@ static int add_stamp_members(json_t *object, const iso_stamp *stamp) {
     return failed;
 }
 
+/* The samples of a path, eight numbers each. NULL: out of memory. */
+static json_t *path_json(const iso_event *event) {
+    json_t *path = json_array();
+    int failed = !path;
+    for (size_t i = 0; !failed && i < event->path_count; i++) {
+        const iso_sample *s = &event->path[i];
+        failed |= json_array_append_new(path, json_pack("[ffffffff]", s->position.x, s->position.y,
+                                                        s->position.z, s->normal.x, s->normal.y, s->normal.z,
+                                                        s->pressure, s->seconds));
+    }
+    if (!failed) return path;
+    json_decref(path);
+    return NULL;
+}
+
+/* Adds which strokes an edit names: by their numbers, or by their group. Nonzero: out of memory. */
+static int add_strokes(json_t *object, const iso_event *event) {
+    if (!event->first) return json_object_set_new(object, "group", json_string_nocheck(event->text));
+    int failed = json_object_set_new(object, "stroke", json_integer(event->first));
+    if (event->last != event->first) failed |= json_object_set_new(object, "last", json_integer(event->last));
+    return failed;
+}
+
 char *iso_event_text(const iso_event *event, unsigned long long number) {
     json_t *object = json_pack("{sI ss}", "n", (json_int_t)number, "event", KINDS[event->kind]);
     int failed = !object;
-    const bool edit = iso_event_is_edit(event->kind);
-    if (!failed && edit) failed |= json_object_set_new(object, "stroke", json_integer(event->first));
-    if (!failed && edit && event->last != event->first)
-        failed |= json_object_set_new(object, "last", json_integer(event->last));
+    if (!failed && iso_event_is_edit(event->kind)) failed |= add_strokes(object, event);
     if (!failed && event->before)
         failed |= json_object_set_new(object, "before", json_integer(event->before));
     if (!failed && event->kind == ISO_EVENT_GROUP)
         failed |= json_object_set_new(object, "group", json_string(event->text));
+    if (!failed && iso_event_has_path(event->kind))
+        failed |= json_object_set_new(object, "path", path_json(event));
     if (!failed && (event->kind == ISO_EVENT_BEGIN || event->kind == ISO_EVENT_EDIT))
         failed |= json_object_set_new(object, "brush", brush_json(&event->brush));
     if (!failed && event->kind <= ISO_EVENT_SAMPLE) {
@@ -205,8 +235,8 @@ static iso_status get_integer(const json_t *object, const char *key, iso_limit l
     return iso_limit_check(limit, (double)*value, 1, error);
 }
 
-static iso_status get_vector(const json_t *object, const char *key, iso_vec3 *v, iso_error *error) {
-    const json_t *found = json_object_get(object, key);
+/* Reads three numbers, which are an array of the name `key`. */
+static iso_status read_vector(const json_t *found, const char *key, iso_vec3 *v, iso_error *error) {
     double *out[3] = {&v->x, &v->y, &v->z};
     if (json_array_size(found) != 3) return bad_member(key, "three numbers", error);
     for (size_t i = 0; i < 3; i++) {
@@ -214,6 +244,10 @@ static iso_status get_vector(const json_t *object, const char *key, iso_vec3 *v,
         *out[i] = json_number_value(json_array_get(found, i));
     }
     return ISO_OK;
+}
+
+static iso_status get_vector(const json_t *object, const char *key, iso_vec3 *v, iso_error *error) {
+    return read_vector(json_object_get(object, key), key, v, error);
 }
 
 static iso_status get_text(const json_t *object, const char *key, char out[ISO_JOURNAL_TEXT],
@@ -335,6 +369,22 @@ static iso_status read_radial(const json_t *object, iso_brush *brush, iso_error 
     return ISO_OK;
 }
 
+/* Reads how the images of a brush are repeated; many are not. */
+static iso_status read_repeat(const json_t *object, iso_brush *brush, iso_error *error) {
+    const json_t *counts = json_object_get(object, "repeat"), *by = json_object_get(object, "repeat_by");
+    if (!counts && !by) return ISO_OK;
+    if (json_array_size(counts) != 2) return bad_member("repeat", "two whole numbers", error);
+    if (json_array_size(by) != 2) return bad_member("repeat_by", "two places", error);
+    for (size_t i = 0; i < 2; i++) {
+        const json_t *count = json_array_get(counts, i);
+        if (!json_is_integer(count)) return bad_member("repeat", "two whole numbers", error);
+        ISO_TRY(iso_limit_check(ISO_LIMIT_REPEAT, (double)json_integer_value(count), 1, error));
+        brush->repeat[i] = (unsigned)json_integer_value(count);
+        ISO_TRY(read_vector(json_array_get(by, i), "repeat_by", &brush->repeat_by[i], error));
+    }
+    return ISO_OK;
+}
+
 static iso_status read_brush(const json_t *object, iso_brush *brush, iso_error *error) {
     if (!json_is_object(object)) return bad_member("brush", "an object", error);
     json_int_t symmetry = 0;
@@ -348,6 +398,7 @@ static iso_status read_brush(const json_t *object, iso_brush *brush, iso_error *
     brush->symmetry = (unsigned)symmetry;
     ISO_TRY(get_vector(object, "mirror", &brush->mirror, error));
     ISO_TRY(read_radial(object, brush, error));
+    ISO_TRY(read_repeat(object, brush, error));
     if (json_object_get(object, "alpha") &&
         iso_alpha_find(text_of(object, "alpha"), &brush->alpha, NULL) != ISO_OK)
         return bad_member("alpha", "an alpha of this version", error);
@@ -426,16 +477,48 @@ static iso_status read_number(const json_t *object, const char *key, unsigned *n
     return ISO_OK;
 }
 
-/* Reads what an edit says of strokes: the first, the last (the same if it is missing), and the one that they
- * are placed before. */
+/* Reads what an edit says of strokes: the first and the last (the same if it is missing), or their group. */
 static iso_status read_range(const json_t *object, iso_event *event, iso_error *error) {
+    const bool one = event->kind == ISO_EVENT_EDIT || event->kind == ISO_EVENT_PATH;
+    if (!one && event->kind != ISO_EVENT_GROUP && event->kind != ISO_EVENT_RESEAT &&
+        !json_object_get(object, "stroke") && json_object_get(object, "group")) {
+        ISO_TRY(get_text(object, "group", event->text, error));
+        return event->text[0] ? ISO_OK : bad_member("group", "a group's name", error);
+    }
     ISO_TRY(read_number(object, "stroke", &event->first, error));
     if (!event->first) return bad_member("stroke", "a whole number", error);
     event->last = event->first;
     ISO_TRY(read_number(object, "last", &event->last, error));
-    if (event->last < event->first || (event->kind == ISO_EVENT_EDIT && event->last != event->first))
+    if (event->last < event->first || (one && event->last != event->first))
         return iso_fail(error, ISO_ERR_FORMAT, "strokes %u to %u", event->first, event->last);
     if (event->kind == ISO_EVENT_GROUP) return get_text(object, "group", event->text, error);
+    return ISO_OK;
+}
+
+static iso_status read_path(const json_t *object, iso_event *event, iso_error *error) {
+    enum { NUMBERS = 8 };
+    const json_t *path = json_object_get(object, "path");
+    const size_t count = json_array_size(path);
+    if (!count) return bad_member("path", "an array of samples", error);
+    iso_sample *samples = iso_alloc(count * sizeof *samples);
+    if (!samples) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a path of %zu samples", count);
+    event->path = samples;
+    event->path_count = count;
+    for (size_t i = 0; i < count; i++) {
+        const json_t *numbers = json_array_get(path, i);
+        double value[NUMBERS];
+        bool whole = json_array_size(numbers) == NUMBERS;
+        for (size_t k = 0; whole && k < NUMBERS; k++) {
+            const json_t *number = json_array_get(numbers, k);
+            whole = json_is_number(number);
+            value[k] = json_number_value(number);
+        }
+        if (!whole) return bad_member("path", "an array of samples, of eight numbers each", error);
+        samples[i] = (iso_sample){.position = {value[0], value[1], value[2]},
+                                  .normal = {value[3], value[4], value[5]},
+                                  .pressure = value[6],
+                                  .seconds = value[7]};
+    }
     return ISO_OK;
 }
 
@@ -455,6 +538,7 @@ static iso_status read_event(const json_t *object, const iso_event_context *cont
     if (kind == ISO_EVENT_BEGIN || kind == ISO_EVENT_MOVE)
         ISO_TRY(read_number(object, "before", &event->before, error));
     if (kind <= ISO_EVENT_SAMPLE) ISO_TRY(read_sample(object, &event->sample, error));
+    if (iso_event_has_path(event->kind)) ISO_TRY(read_path(object, event, error));
     ISO_TRY(iso_limits_event(event, context->start, error));
     if (kind == ISO_EVENT_STAMP) return read_stamp(object, event, error);
     return kind == ISO_EVENT_CHECKPOINT ? read_checkpoint(object, context->number, event, error) : ISO_OK;
@@ -466,7 +550,11 @@ iso_line iso_event_read(const char *line, size_t size, const iso_event_context *
     iso_line state = parse_line(line, size, &object, why);
     if (state != ISO_LINE_SOUND) return state;
     memset(event, 0, sizeof *event);
-    if (read_event(object, context, event, why) != ISO_OK) state = ISO_LINE_WRONG;
+    if (read_event(object, context, event, why) != ISO_OK) {
+        state = ISO_LINE_WRONG;
+        iso_free((void *)event->path);
+        event->path = NULL;
+    }
     json_decref(object);
     return state;
 }

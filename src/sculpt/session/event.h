@@ -19,8 +19,8 @@ typedef enum iso_line {
 } iso_line;
 
 /* Parse a line (without its newline). Each number is checked against its bounds (limits.h); lengths are
- * compared in voxels of the header. A stamp in the event belongs to the caller. If the line is not sound,
- * *why says what is wrong with it. */
+ * compared in voxels of the header. A stamp and a path (iso_free) in the event belong to the caller. If the
+ * line is not sound, *why says what is wrong with it. */
 iso_line iso_event_header_read(const char *line, size_t size, iso_journal_start *start, iso_error *why);
 typedef struct iso_event_context {
     const iso_journal_start *start;

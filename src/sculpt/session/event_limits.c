@@ -44,6 +44,7 @@ static iso_status check_brush(const iso_brush *brush, double voxel, iso_error *e
     if (brush->spacing != 0) ISO_TRY(iso_limit_check(ISO_LIMIT_SPACING, brush->spacing, 1, error));
     ISO_TRY(iso_limit_check(ISO_LIMIT_SYMMETRY, brush->symmetry, 1, error));
     ISO_TRY(check_vector(ISO_LIMIT_MIRROR, brush->mirror, voxel, error));
+    for (int i = 0; i < 2; i++) ISO_TRY(check_vector(ISO_LIMIT_REPEAT_BY, brush->repeat_by[i], voxel, error));
     return iso_brush_check(brush, error) == ISO_OK ? ISO_OK : ISO_ERR_FORMAT;
 }
 
@@ -58,5 +59,7 @@ static iso_status check_sample(const iso_sample *sample, const iso_journal_start
 iso_status iso_limits_event(const iso_event *event, const iso_journal_start *start, iso_error *error) {
     if (event->kind == ISO_EVENT_BEGIN || event->kind == ISO_EVENT_EDIT)
         ISO_TRY(check_brush(&event->brush, start->voxel_size, error));
+    for (size_t i = 0; iso_event_has_path(event->kind) && i < event->path_count; i++)
+        ISO_TRY(check_sample(&event->path[i], start, error));
     return event->kind <= ISO_EVENT_SAMPLE ? check_sample(&event->sample, start, error) : ISO_OK;
 }

@@ -314,15 +314,17 @@ struct iso_journal_reader {
     FILE *file;
     iso_buffer line;
     iso_journal_start start;
-    unsigned long long lines; /* read so far, the header included */
-    uint64_t sound;           /* bytes up to the end of the last valid line */
-    iso_stamp *stamp;         /* the last event's; NULL: it has none */
+    unsigned long long lines;  /* read so far, the header included */
+    uint64_t sound;            /* bytes up to the end of the last valid line */
+    iso_stamp *stamp;          /* the last event's; NULL: it has none */
+    const iso_sample *samples; /* of its path, the same */
 };
 
 void iso_journal_reader_free(iso_journal_reader *reader) {
     if (!reader) return;
     if (reader->file) fclose(reader->file);
     iso_stamp_free(reader->stamp);
+    iso_free((void *)reader->samples);
     iso_buffer_free(&reader->line);
     iso_free(reader->path);
     iso_free(reader);
@@ -408,7 +410,9 @@ iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *
     iso_error why = {0};
     *more = false;
     iso_stamp_free(reader->stamp);
+    iso_free((void *)reader->samples);
     reader->stamp = NULL;
+    reader->samples = NULL;
     bool whole;
     ISO_TRY(next_line(reader, &size, &whole, error));
     if (!whole) return ISO_OK;
@@ -424,6 +428,7 @@ iso_status iso_journal_next(iso_journal_reader *reader, iso_event *event, bool *
     }
     *more = true;
     reader->stamp = event->stamp;
+    reader->samples = event->path;
     reader->lines++;
     reader->sound += size + 1;
     return ISO_OK;

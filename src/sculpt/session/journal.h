@@ -54,22 +54,30 @@ typedef enum iso_event_kind {
     ISO_EVENT_MUTE,   /* strokes are not drawn ... */
     ISO_EVENT_UNMUTE, /* ... or drawn again */
     ISO_EVENT_MOVE,   /* strokes are drawn before the stroke `before` */
-    ISO_EVENT_GROUP   /* strokes belong to the group `text` from now on; "": to none */
+    ISO_EVENT_GROUP,  /* strokes belong to the group `text` from now on; "": to none */
+    ISO_EVENT_PATH,   /* a stroke has the samples `path` from now on */
+    ISO_EVENT_RESEAT  /* the same for several strokes, whose samples follow the surface that they lie on */
 } iso_event_kind;
 
 static inline bool iso_event_is_edit(iso_event_kind kind) {
     return kind >= ISO_EVENT_EDIT;
+}
+static inline bool iso_event_has_path(iso_event_kind kind) {
+    return kind == ISO_EVENT_PATH || kind == ISO_EVENT_RESEAT;
 }
 
 typedef struct iso_event {
     iso_event_kind kind;
     iso_brush brush;             /* BEGIN, EDIT */
     iso_sample sample;           /* BEGIN, SAMPLE */
-    char text[ISO_JOURNAL_TEXT]; /* CHECKPOINT: path; GROUP: name */
+    char text[ISO_JOURNAL_TEXT]; /* CHECKPOINT: path; GROUP: name; of other edits, if first == 0: the group
+                                    whose strokes they name */
     unsigned long long after;    /* CHECKPOINT */
     unsigned first, last;        /* edits */
     unsigned before;             /* BEGIN, MOVE: a stroke's number; 0: the end of the list */
     iso_stamp *stamp;            /* STAMP; borrowed; the reader's is valid until its next event */
+    const iso_sample *path; /* PATH, RESEAT: as many as the strokes have, in the order of their numbers; */
+    size_t path_count;      /* borrowed as the stamp is */
 } iso_event;
 
 /* ---- writing, in a background thread: the caller never waits for the disk */

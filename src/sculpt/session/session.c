@@ -1,5 +1,4 @@
-/* Implements the session: strokes, undo steps, the journal with its checkpoints, and resuming from a journal.
- */
+/* The session: strokes, undo steps, the journal with its checkpoints, and resuming from a journal. */
 #include "sculpt/session/session.h"
 
 #include <math.h>
@@ -12,9 +11,11 @@
 #include "sculpt/limits.h"
 #include "sculpt/session/event_limits.h"
 #include "sculpt/session/pen.h"
+#include "sculpt/session/seat.h"
+#include "sculpt/session/step_name.h"
 #include "sculpt/session/versions.h"
 
-enum { DEFAULT_CHECKPOINT_STROKES = 200 };
+enum { DEFAULT_CHECKPOINT_STROKES = 200, DEFAULT_VERSION_MEMORY = 384 << 20 };
 /* Bricks that are allocated between strokes, so that the next stroke need not: 4 MiB. */
 enum { RESERVED_BRICKS = 256 };
 
@@ -29,25 +30,24 @@ struct iso_session {
     iso_cell_items first_paint;                   /* of the field before all strokes */
     iso_stamp *stamp;                             /* NULL: none yet */
     int checkpoint_strokes, strokes, checkpoints; /* interval; strokes since the last one; number so far */
-    bool drawing;                                 /* a stroke is being drawn, */
-    bool acts_at_end;                             /* which does nothing before its end */
-    bool replaying;     /* the journal being resumed: events are not recorded again */
-    bool bounded;       /* an event of a stroke file is being replayed: check_cost applies */
-    double cost_factor; /* of the options */
-    double samples;     /* number of samples replayed so far */
-    double undo_cost;   /* cost of all replayed undo and redo steps */
-    double edit_cost;   /* cost of the versions that were discarded */
+    bool drawing, acts_at_end;   /* a stroke is being drawn, which does nothing before its end */
+    bool replaying;              /* the journal being resumed: events are not recorded again */
+    bool bounded;                /* an event of a stroke file is being replayed: check_cost applies */
+    double cost_factor, samples; /* of the options; number of samples replayed so far */
+    double undo_cost, edit_cost; /* of all replayed undo and redo steps; of versions that were discarded */
     iso_pen pen;
     iso_edit_stats *stats;  /* of the call that is being served; NULL: not wanted */
     iso_stroke_log log;     /* of all strokes, unless it is `partial` */
     iso_stroke_list list;   /* the last one that an edit resolved */
     iso_versions *versions; /* NULL: no edit has needed them yet */
+    size_t versions_at;     /* log.changes when they were those of the log's list; 0: they are not */
+    size_t version_memory;
     bool edits_aside;
-    iso_pool *edit_pool; /* owned; draws them if edits_aside */
-    bool editing,
-        edit_is_logged; /* between begin and end of an edit; the last entry of the log is that edit */
+    iso_pool *edit_pool;          /* owned; draws them if edits_aside */
+    bool editing, edit_is_logged; /* between begin and end of an edit; it is the last entry of the log */
     const iso_progress *edit_progress;
     iso_event edit;
+    bool reseats;   /* the samples of the edit's strokes are found by drawing it */
     bool partial;   /* the session began with a checkpoint: strokes before it are not in the log */
     bool inserting; /* the stroke that is being drawn belongs before another one, and is drawn at its end */
     iso_snapshot *snapshots[ISO_SESSION_SNAPSHOTS];
@@ -95,9 +95,7 @@ static iso_status check_record(const iso_session *session, const iso_event *even
 }
 
 static iso_status record_kind(iso_session *session, iso_event_kind kind, iso_error *error) {
-    iso_event event;
-    memset(&event, 0, sizeof event);
-    event.kind = kind;
+    const iso_event event = {.kind = kind};
     return record_event(session, &event, error);
 }
 
@@ -135,6 +133,7 @@ static void discard_versions(iso_session *session) {
     if (session->versions) session->edit_cost += iso_versions_get_stats(session->versions).cost;
     iso_versions_destroy(session->versions);
     session->versions = NULL;
+    session->versions_at = 0;
 }
 
 /* ---- resuming */
@@ -348,6 +347,7 @@ iso_status iso_session_create(iso_hgrid *grid, const iso_journal_start *start, c
     }
     session->pool = opts->pool;
     session->edits_aside = opts->edits_aside;
+    session->version_memory = opts->version_memory ? opts->version_memory : DEFAULT_VERSION_MEMORY;
     session->pen = (iso_pen){.touch = touch_field, .context = session};
     session->cost_factor = opts->cost_factor > 0 ? opts->cost_factor : 1;
     session->checkpoint_strokes =
@@ -394,6 +394,9 @@ bool iso_session_has_mask(const iso_session *session) {
 }
 bool iso_session_masked(const iso_session *session, int x, int y, int z) {
     return iso_editor_masked(session->editor, x, y, z);
+}
+iso_status iso_session_sync(iso_session *session, iso_error *error) {
+    return session->journal ? iso_journal_sync(session->journal, error) : ISO_OK;
 }
 iso_status iso_session_journal_status(iso_session *session, iso_error *error) {
     return session->journal ? iso_journal_status(session->journal, error) : ISO_OK;
@@ -445,7 +448,7 @@ static iso_status make_versions(iso_session *session, iso_error *error) {
     if (session->edits_aside && !session->edit_pool)
         ISO_TRY(iso_pool_create(iso_pool_threads(session->pool), &session->edit_pool, error));
     ISO_TRY(copy_first_field(session, &first, error));
-    return iso_versions_create(first, &session->first_paint,
+    return iso_versions_create(first, &session->first_paint, session->version_memory,
                                session->edits_aside ? session->edit_pool : session->pool, check_versions,
                                session, &session->versions, error);
 }
@@ -458,7 +461,7 @@ static iso_status update_versions(iso_session *session, size_t entries, const is
     before.position -= entries;
     ISO_TRY(make_versions(session, error));
     iso_status status = iso_stroke_log_resolve(&before, &list, error);
-    if (status == ISO_OK) status = iso_versions_update(session->versions, &list, progress, error);
+    if (status == ISO_OK) status = iso_versions_update(session->versions, &list, NULL, progress, error);
     iso_stroke_list_free(&list);
     return status;
 }
@@ -501,8 +504,21 @@ static iso_status write_change(iso_session *session, const iso_step_opts *step, 
 static iso_status draw_list(iso_session *session, const iso_progress *progress, iso_error *error) {
     const iso_progress before = iso_progress_part(progress, 0, 0.5),
                        after = iso_progress_part(progress, 0.5, 1);
-    ISO_TRY(update_versions(session, 1, progress ? &before : NULL, error));
-    return iso_versions_update(session->versions, &session->list, progress ? &after : NULL, error);
+    iso_seat seat = {.samples = NULL};
+    const iso_versions_visitor visitor = {iso_seat_stroke, &seat};
+    const bool current = session->versions_at > 0 && session->versions_at == session->log.changes - 1;
+    session->versions_at = 0;
+    if (!current) ISO_TRY(update_versions(session, 1, progress ? &before : NULL, error));
+    iso_status status = ISO_OK;
+    if (session->reseats) {
+        status = iso_seat_measure(&seat, session->versions, &session->log, &session->list, progress, error);
+        if (status == ISO_OK) status = update_versions(session, 1, progress, error);
+    }
+    if (status == ISO_OK)
+        status = iso_versions_update(session->versions, &session->list, session->reseats ? &visitor : NULL,
+                                     progress ? &after : NULL, error);
+    iso_seat_free(&seat);
+    return status;
 }
 
 /* Makes the field that of session->list, as a step. If it fails, the field is unchanged. */
@@ -516,27 +532,21 @@ static iso_status write_list(iso_session *session, const char *name, iso_error *
     for (size_t i = 0; status == ISO_OK && i < iso_versions_change_count(session->versions); i++)
         status = write_change(session, &step, i, error);
     if (status == ISO_OK) status = iso_history_end(session->history, error);
-    if (status == ISO_OK)
-        iso_stroke_log_end(&session->log, true);
-    else
+    if (status != ISO_OK) {
         iso_history_cancel(session->history, NULL);
-    return status;
+        return status;
+    }
+    iso_stroke_log_end(&session->log, true);
+    session->versions_at = session->log.changes;
+    return ISO_OK;
 }
 
 /* ---- strokes */
 
-/* Writes the name of an undo step: the tool and, unless it is a sphere or capsule, the solid. */
-static void name_step(const iso_brush *brush, char *name, size_t size) {
-    const bool plain = !iso_tool_is_set_operation(brush->tool) || brush->shape == ISO_SOLID_SPHERE ||
-                       brush->shape == ISO_SOLID_CAPSULE;
-    snprintf(name, size, "%s%s%s", iso_tool_name(brush->tool), plain ? "" : " ",
-             plain ? "" : iso_solid_name(brush->shape));
-}
-
 /* Begins the step of a stroke and makes its first touch. */
 static iso_status begin_step(iso_session *session, const iso_event *event, iso_error *error) {
-    char name[64];
-    name_step(&event->brush, name, sizeof name);
+    char name[ISO_STEP_NAME];
+    iso_step_name_stroke(&event->brush, name);
     ISO_TRY(iso_history_begin(session->history, name, error));
     iso_step_opts step = iso_history_step_opts(session->history);
     step.stamp = session->stamp;
@@ -641,19 +651,35 @@ iso_status iso_session_redo(iso_session *session, iso_error *error) {
     return record_kind(session, ISO_EVENT_REDO, error);
 }
 
+/* Adds an edit to the log that gives strokes the samples that they have. */
+static iso_status add_reseat(iso_session *session, iso_event made, iso_error *error) {
+    iso_buffer path = {.data = NULL};
+    ISO_TRY(check_edit(session, error));
+    iso_status status =
+        iso_seat_collect(&session->list, made.first, made.last, &path, &made.path_count, error);
+    made.path = path.data;
+    if (status == ISO_OK) status = iso_stroke_log_add(&session->log, &made, NULL, false, error);
+    iso_buffer_free(&path);
+    return status;
+}
+
 iso_status iso_session_begin_edit(iso_session *session, const iso_event *event, iso_error *error) {
     ISO_TRY(check_idle(session, error));
     if (!event && session->partial) return no_strokes(error);
     if (event) {
         if (event->kind == ISO_EVENT_EDIT) ISO_TRY(iso_brush_check(&event->brush, error));
         ISO_TRY(check_record(session, event, error));
-        ISO_TRY(iso_stroke_log_add(&session->log, event, NULL, false, error));
+        session->reseats = event->kind == ISO_EVENT_RESEAT && !event->path_count;
+        ISO_TRY(session->reseats ? add_reseat(session, *event, error)
+                                 : iso_stroke_log_add(&session->log, event, NULL, false, error));
         const iso_status status = check_edit(session, error);
         if (status != ISO_OK) {
             iso_stroke_log_remove(&session->log);
             return status;
         }
         session->edit = *event;
+        if (iso_event_has_path(event->kind)) /* the log's own */
+            session->edit.path = iso_stroke_log_samples(&session->log, &session->edit.path_count);
     }
     session->edit_is_logged = event != NULL;
     session->editing = true;
@@ -666,21 +692,11 @@ iso_status iso_session_draw_edit(iso_session *session, const iso_progress *progr
                                    : update_versions(session, 0, progress, error);
 }
 
-/* Writes the name of the step of an edit: its kind and the strokes. */
-static void name_edit(const iso_event *event, char *name, size_t size) {
-    static const char *const kinds[] = {"edit", "delete", "mute", "unmute", "move", "group"};
-    const char *kind = kinds[event->kind - ISO_EVENT_EDIT];
-    if (event->first == event->last)
-        snprintf(name, size, "%s %u", kind, event->first);
-    else
-        snprintf(name, size, "%s %u-%u", kind, event->first, event->last);
-}
-
 iso_status iso_session_end_edit(iso_session *session, bool keep, iso_error *error) {
-    char name[64];
+    char name[ISO_STEP_NAME];
     session->editing = false;
     if (!session->edit_is_logged) return ISO_OK;
-    name_edit(&session->edit, name, sizeof name);
+    iso_step_name_edit(&session->edit, name);
     const iso_status status = keep ? write_list(session, name, error) : ISO_OK;
     if (!keep || status != ISO_OK) {
         iso_stroke_log_remove(&session->log);
@@ -695,6 +711,10 @@ iso_status iso_session_edit(iso_session *session, const iso_event *event, iso_er
     if (status == ISO_OK) return iso_session_end_edit(session, true, error);
     iso_session_end_edit(session, false, NULL);
     return status;
+}
+
+const iso_event *iso_session_last_edit(const iso_session *session) {
+    return &session->edit;
 }
 
 unsigned iso_session_stroke_at(const iso_session *session, iso_vec3 place) {
@@ -718,10 +738,7 @@ iso_versions_stats iso_session_edit_stats(const iso_session *session) {
 }
 
 iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_error *error) {
-    iso_event event;
-    memset(&event, 0, sizeof event);
-    event.kind = ISO_EVENT_STAMP;
-    event.stamp = stamp;
+    const iso_event event = {.kind = ISO_EVENT_STAMP, .stamp = stamp};
     iso_status status = check_idle(session, error);
     if (!stamp) status = iso_fail(error, ISO_ERR_USAGE, "there is no stamp");
     if (status == ISO_OK) status = record_event(session, &event, error);
@@ -736,10 +753,6 @@ iso_status iso_session_set_stamp(iso_session *session, iso_stamp *stamp, iso_err
 
 const iso_stamp *iso_session_stamp(const iso_session *session) {
     return session->stamp;
-}
-
-iso_status iso_session_sync(iso_session *session, iso_error *error) {
-    return session->journal ? iso_journal_sync(session->journal, error) : ISO_OK;
 }
 
 /* Adds the cost of an undo or redo to undo_cost. */

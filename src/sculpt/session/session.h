@@ -25,7 +25,9 @@ typedef struct iso_session_opts {
                                beside the journal; 0 means 200, < 0 none */
     double cost_factor; /* multiplies iso_limit_cost, which bounds iso_session_play: on a finer grid the same
                            strokes cost more; 0 means 1 */
-    bool edits_aside;   /* iso_session_draw_edit has a pool of its own, as it is called in another thread */
+    size_t version_memory; /* bytes of the versions that edits of strokes need, beyond which they lie in files
+                              in TMPDIR; 0 means 384 MiB */
+    bool edits_aside; /* iso_session_draw_edit has a pool of its own, as it is called in another thread */
     iso_cell_items
         *paint; /* the paint that the field begins with, which is taken (*paint is empty then), also
                               when it fails; NULL: none */
@@ -70,12 +72,13 @@ iso_status iso_session_end_cut_off(iso_session *session, iso_error *error);
 iso_status iso_session_undo(iso_session *session, iso_error *error);
 iso_status iso_session_redo(iso_session *session, iso_error *error);
 
-/* Edits strokes (an event of the kinds ISO_EVENT_EDIT to ISO_EVENT_GROUP) as one step of the undo
+/* Edits strokes (an event of the kinds ISO_EVENT_EDIT to ISO_EVENT_RESEAT) as one step of the undo
  * history: the field becomes that of a fresh session in which the edited list of strokes is drawn. The
  * first edit of a session draws all strokes once more to find what each of them made of its cells;
  * later ones draw only the strokes that can come out differently. ISO_ERR_USAGE: there is no such
- * stroke, a bad brush, or the session began with a checkpoint; also the errors of iso_editor_touch. The
- * field is unchanged then. */
+ * stroke, a bad brush, a path of another number of samples, or the session began with a checkpoint; also the
+ * errors of iso_editor_touch. The field is unchanged then. A reseat without a path (path_count 0) finds the
+ * samples (seat.h). */
 iso_status iso_session_edit(iso_session *session, const iso_event *event, iso_error *error);
 /* The same in three parts, of which the second takes long: any one thread may call it, which may be another
  * one if the session has `edits_aside`. Between begin and end the session is not changed by strokes, edits,
@@ -85,6 +88,9 @@ iso_status iso_session_edit(iso_session *session, const iso_event *event, iso_er
 iso_status iso_session_begin_edit(iso_session *session, const iso_event *event, iso_error *error);
 iso_status iso_session_draw_edit(iso_session *session, const iso_progress *progress, iso_error *error);
 iso_status iso_session_end_edit(iso_session *session, bool keep, iso_error *error);
+/* The last edit, as the journal has it: reseated strokes have the samples that drawing it has found. Its path
+ * is valid until another one is begun, or a step is undone. */
+const iso_event *iso_session_last_edit(const iso_session *session);
 /* The number of the last stroke that changed the surface at a world position, as the strokes were when
  * versions of them were made last; 0: none did, or there are no versions. */
 unsigned iso_session_stroke_at(const iso_session *session, iso_vec3 place);

@@ -1,6 +1,7 @@
 /* Resolves strokes and their edits into the list of strokes that the field is made of. */
 #include "sculpt/session/stroke_list.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 struct iso_stroke_entry {
@@ -8,9 +9,10 @@ struct iso_stroke_entry {
     bool step;
     unsigned number, last, before; /* of a stroke: its number; of an edit: the first of the range */
     iso_brush brush;               /* BEGIN, EDIT */
-    char *group;                   /* GROUP; owned */
+    char *group;                   /* GROUP: the name; else, if number == 0, of whose strokes; owned */
     iso_stamp *stamp;              /* owned */
-    iso_buffer samples;            /* iso_sample */
+    iso_buffer samples;            /* iso_sample; of a stroke, or of a path */
+    size_t path;                   /* iso_stroke.path of strokes that have these samples */
     size_t sample_count;
 };
 
@@ -37,6 +39,14 @@ static iso_status add_sample(iso_stroke_entry *entry, const iso_sample *sample, 
     return ISO_OK;
 }
 
+static iso_status copy_group(iso_stroke_entry *entry, const char *name, iso_error *error) {
+    const size_t size = strlen(name) + 1;
+    entry->group = iso_alloc(size);
+    if (!entry->group) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a group of strokes");
+    memcpy(entry->group, name, size);
+    return ISO_OK;
+}
+
 static void discard_undone(iso_stroke_log *log) {
     while (log->count > log->position) free_entry(entry_at(log, --log->count));
 }
@@ -52,19 +62,17 @@ iso_status iso_stroke_log_add(iso_stroke_log *log, const iso_event *event, iso_s
                              .brush = event->brush};
     iso_status status = iso_buffer_reserve(&log->entries, bytes + sizeof(iso_stroke_entry), bytes, error);
     if (status == ISO_OK && stroke) status = add_sample(&made, &event->sample, error);
-    if (status == ISO_OK && event->kind == ISO_EVENT_GROUP) {
-        const size_t size = strlen(event->text) + 1;
-        made.group = iso_alloc(size);
-        if (made.group) memcpy(made.group, event->text, size);
-        if (!made.group) status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for a group of strokes");
-    }
+    for (size_t i = 0; iso_event_has_path(event->kind) && i < event->path_count && status == ISO_OK; i++)
+        status = add_sample(&made, &event->path[i], error);
+    if (status == ISO_OK && !stroke && (event->kind == ISO_EVENT_GROUP || !event->first))
+        status = copy_group(&made, event->text, error);
     if (status != ISO_OK) {
         free_entry(&made);
         return status;
     }
     made.stamp = iso_stamp_share(stamp);
     log->numbers += stroke;
-    log->changes++;
+    made.path = ++log->changes;
     /* before what is undone, which can be redone until a step follows */
     memmove(entry_at(log, log->position + 1), entry_at(log, log->position),
             (log->count - log->position) * sizeof made);
@@ -83,6 +91,26 @@ const iso_sample *iso_stroke_log_samples(const iso_stroke_log *log, size_t *coun
     const iso_stroke_entry *entry = entry_at(log, log->position - 1);
     *count = entry->sample_count;
     return entry->samples.data;
+}
+
+void iso_stroke_log_edited(const iso_stroke_log *log, unsigned *first, unsigned *last) {
+    const iso_stroke_entry *entry = entry_at(log, log->position - 1);
+    *first = entry->number;
+    *last = entry->last;
+}
+
+iso_sample *iso_stroke_log_path(iso_stroke_log *log, size_t *path) {
+    const iso_stroke_entry *entry = entry_at(log, log->position - 1);
+    *path = entry->path;
+    return entry->samples.data;
+}
+
+size_t iso_stroke_log_before_edit(const iso_stroke_log *log, size_t path) {
+    size_t i = 0;
+    while (i < log->position && entry_at(log, i)->path != path) i++;
+    for (i++; i + 1 < log->position; i++)
+        if (entry_at(log, i)->kind != ISO_EVENT_BEGIN || entry_at(log, i)->before) return i;
+    return 0;
 }
 
 void iso_stroke_log_end(iso_stroke_log *log, bool step) {
@@ -131,6 +159,7 @@ iso_stroke *iso_stroke_find(const iso_stroke_list *list, unsigned number) {
 }
 
 static bool is_in(const iso_stroke *stroke, const iso_stroke_entry *range) {
+    if (!range->number) return strcmp(stroke->group, range->group) == 0;
     return stroke->number >= range->number && stroke->number <= range->last;
 }
 
@@ -153,6 +182,7 @@ static iso_status insert_stroke(iso_stroke_list *list, const iso_stroke_entry *e
                        .brush = entry->brush,
                        .samples = entry->samples.data,
                        .count = entry->sample_count,
+                       .path = entry->path,
                        .stamp = entry->stamp,
                        .group = ""};
     return ISO_OK;
@@ -174,7 +204,8 @@ static size_t take_strokes(iso_stroke_list *list, const iso_stroke_entry *range,
 
 static iso_status move_strokes(iso_stroke_list *list, const iso_stroke_entry *range, iso_error *error) {
     size_t place;
-    if (range->before >= range->number && range->before <= range->last)
+    const iso_stroke *before = range->before ? iso_stroke_find(list, range->before) : NULL;
+    if (before && is_in(before, range))
         return iso_fail(error, ISO_ERR_USAGE, "stroke %u cannot be placed before itself", range->before);
     ISO_TRY(find_place(list, range->before, &place, error));
     iso_stroke *taken = iso_alloc(list->count * sizeof *taken);
@@ -189,6 +220,37 @@ static iso_status move_strokes(iso_stroke_list *list, const iso_stroke_entry *ra
     return status;
 }
 
+static int compare_numbers(const void *a, const void *b) {
+    const unsigned first = (*(iso_stroke *const *)a)->number, second = (*(iso_stroke *const *)b)->number;
+    return (first > second) - (first < second);
+}
+
+/* Gives strokes other samples, those that are the same excepted. */
+static iso_status set_paths(iso_stroke_list *list, const iso_stroke_entry *edit, iso_error *error) {
+    iso_stroke **strokes = iso_alloc(list->count * sizeof *strokes);
+    const iso_sample *samples = edit->samples.data;
+    size_t count = 0, used = 0;
+    if (!strokes) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu strokes", list->count);
+    for (size_t i = 0; i < list->count; i++) {
+        strokes[count] = iso_stroke_at(list, i);
+        if (!is_in(strokes[count], edit)) continue;
+        used += strokes[count++]->count;
+    }
+    iso_status status =
+        used == edit->sample_count
+            ? ISO_OK
+            : iso_fail(error, ISO_ERR_USAGE, "a path of %zu samples for strokes that have %zu",
+                       edit->sample_count, used);
+    qsort(strokes, count, sizeof *strokes, compare_numbers);
+    for (size_t i = 0; i < count && status == ISO_OK; samples += strokes[i++]->count) {
+        if (memcmp(samples, strokes[i]->samples, strokes[i]->count * sizeof *samples) == 0) continue;
+        strokes[i]->samples = samples;
+        strokes[i]->path = edit->path;
+    }
+    iso_free(strokes);
+    return status;
+}
+
 static iso_status edit_strokes(iso_stroke_list *list, const iso_stroke_entry *edit, iso_error *error) {
     size_t found = 0;
     for (size_t i = 0; i < list->count; i++) {
@@ -200,11 +262,14 @@ static iso_status edit_strokes(iso_stroke_list *list, const iso_stroke_entry *ed
         if (edit->kind == ISO_EVENT_MUTE || edit->kind == ISO_EVENT_UNMUTE)
             stroke->muted = edit->kind == ISO_EVENT_MUTE;
     }
+    if (!found && !edit->number)
+        return iso_fail(error, ISO_ERR_USAGE, "there is no stroke in the group '%s'", edit->group);
     if (!found && edit->number == edit->last)
         return iso_fail(error, ISO_ERR_USAGE, "there is no stroke %u", edit->number);
     if (!found)
         return iso_fail(error, ISO_ERR_USAGE, "there are no strokes %u to %u", edit->number, edit->last);
     if (edit->kind == ISO_EVENT_DELETE) take_strokes(list, edit, NULL);
+    if (iso_event_has_path(edit->kind)) return set_paths(list, edit, error);
     return edit->kind == ISO_EVENT_MOVE ? move_strokes(list, edit, error) : ISO_OK;
 }
 

@@ -1,7 +1,7 @@
 /* stroke_list: the strokes of a session, which stay editable. The log holds the strokes and the edits of
- * strokes (events ISO_EVENT_EDIT to ISO_EVENT_GROUP) in the order in which they were made; the list that they
- * resolve to is what the field is made of: the field is always that of a fresh session in which the strokes
- * of the list are drawn one after the other. Internal to sculpt, except iso_stroke_list. */
+ * strokes (events ISO_EVENT_EDIT to ISO_EVENT_RESEAT) in the order in which they were made; the list that
+ * they resolve to is what the field is made of: the field is always that of a fresh session in which the
+ * strokes of the list are drawn one after the other. Internal to sculpt, except iso_stroke_list. */
 #ifndef ISO_SCULPT_SESSION_STROKE_LIST_H
 #define ISO_SCULPT_SESSION_STROKE_LIST_H
 
@@ -19,6 +19,7 @@ typedef struct iso_stroke {
     iso_brush brush;
     const iso_sample *samples; /* at least one */
     size_t count;
+    size_t path;       /* which samples: when they change it becomes another number, which none had before */
     iso_stamp *stamp;  /* that was set when it was drawn; NULL: none */
     const char *group; /* "": it is in none */
 } iso_stroke;
@@ -53,6 +54,13 @@ iso_status iso_stroke_log_add(iso_stroke_log *log, const iso_event *event, iso_s
 iso_status iso_stroke_log_sample(iso_stroke_log *log, const iso_sample *sample, iso_error *error);
 /* The samples of the last entry, and their number. */
 const iso_sample *iso_stroke_log_samples(const iso_stroke_log *log, size_t *count);
+/* Of the last entry, an edit: the strokes that it names; and its samples, which the caller may change while
+ * no list has been resolved from them, with what iso_stroke.path is of strokes that have them. */
+void iso_stroke_log_edited(const iso_stroke_log *log, unsigned *first, unsigned *last);
+iso_sample *iso_stroke_log_path(iso_stroke_log *log, size_t *path);
+/* The number of entries after the one that gave strokes their samples (iso_stroke.path), and up to the next
+ * one, the last entry aside, that changes what was there before; 0: none has. */
+size_t iso_stroke_log_before_edit(const iso_stroke_log *log, size_t path);
 /* Decides whether the last entry, which was added with step = false, is a step after all. */
 void iso_stroke_log_end(iso_stroke_log *log, bool step);
 /* Removes the last entry, which iso_stroke_log_end has not been called for; an undone step stays undone. */

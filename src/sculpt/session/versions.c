@@ -8,6 +8,7 @@
 #include "sculpt/field/cell_pack.h"
 #include "sculpt/session/history.h"
 #include "sculpt/session/pen.h"
+#include "sculpt/session/version_store.h"
 
 /* A part of a cell: its distances (0), or its item of a kind (1 + the kind). */
 enum { DISTANCES = 0, PARTS = 1 + ISO_ITEM_KINDS };
@@ -27,13 +28,14 @@ typedef struct version {
     int32_t state;   /* as in iso_cell_change */
     uint32_t size;   /* of the packed values */
     uint64_t serial; /* each version has its own; 0: before all strokes */
-    uint8_t *bytes;  /* owned */
+    uint8_t *bytes;  /* in the store */
 } version;
 
 /* A stroke as it was drawn. */
 typedef struct drawn {
     unsigned number;
     iso_brush brush;
+    size_t path;       /* iso_stroke.path */
     version *versions; /* what it wrote */
     size_t count;
     iso_cell_box *ranges; /* of all that it can read; the first contains the others */
@@ -56,6 +58,7 @@ struct iso_versions {
     size_t dirty_count;
     drawn **list; /* owned */
     size_t count;
+    iso_version_store store;
     uint64_t serials;
     iso_versions_stats stats;
     /* of the stroke that is being drawn: */
@@ -63,13 +66,20 @@ struct iso_versions {
     size_t written_count;
     iso_buffer ranges; /* iso_cell_box */
     size_t range_count;
+    struct cast_cache *cache; /* of iso_versions_cast; NULL until it is needed */
 };
+
+/* Bricks of versions, unpacked. */
+enum { CACHED = 64 };
+typedef struct cast_cache {
+    const version *of[CACHED];
+    float bricks[CACHED][ISO_BRICK_VOXELS];
+} cast_cache;
 
 /* ---- memory */
 
 static void free_version(iso_versions *v, version *at) {
-    v->stats.bytes -= at->size;
-    iso_free(at->bytes);
+    iso_version_store_give(&v->store, at->bytes, at->size);
     at->bytes = NULL;
 }
 
@@ -88,6 +98,7 @@ void iso_versions_destroy(iso_versions *v) {
         if (v->first[i]) free_version(v, v->first[i]);
         iso_free(v->first[i]);
     }
+    iso_version_store_free(&v->store);
     iso_history_destroy(v->history);
     iso_editor_destroy(v->editor);
     iso_hgrid_destroy(v->grid);
@@ -100,6 +111,7 @@ void iso_versions_destroy(iso_versions *v) {
     iso_free(v->dirty_at);
     iso_buffer_free(&v->written);
     iso_buffer_free(&v->ranges);
+    iso_free(v->cache);
     iso_free(v);
 }
 
@@ -124,7 +136,7 @@ static iso_status set_up(iso_versions *v, const iso_cell_items *paint, iso_pool 
                                                                                    : no_memory(error);
 }
 
-iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, iso_pool *pool,
+iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, size_t memory, iso_pool *pool,
                                iso_versions_check *check, void *context, iso_versions **versions,
                                iso_error *error) {
     iso_versions *v = iso_alloc_zero(1, sizeof *v);
@@ -133,6 +145,7 @@ iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, is
         return no_memory(error);
     }
     v->grid = first;
+    v->store.limit = memory;
     v->check = check;
     v->context = context;
     iso_status status = set_up(v, paint, pool, error);
@@ -163,7 +176,7 @@ static iso_status pack(iso_versions *v, cell_key key, uint64_t serial, version *
     }
     out->size =
         (uint32_t)(item ? iso_item_pack_size(item, items->bytes) : iso_cell_pack_size(brick, v->grid->band));
-    out->bytes = iso_alloc(out->size);
+    out->bytes = iso_version_store_take(&v->store, out->size);
     if (!out->bytes) {
         out->size = 0;
         return no_memory(error);
@@ -172,7 +185,6 @@ static iso_status pack(iso_versions *v, cell_key key, uint64_t serial, version *
         iso_item_pack(item, items->bytes, out->bytes);
     else
         iso_cell_pack(brick, v->grid->band, out->bytes);
-    v->stats.bytes += out->size;
     return ISO_OK;
 }
 
@@ -384,6 +396,7 @@ static iso_status draw_stroke(iso_versions *v, const iso_stroke *stroke, drawn *
     *out = d;
     d->number = stroke->number;
     d->brush = stroke->brush;
+    d->path = stroke->path;
     const iso_step_opts step = {.stamp = stroke->stamp}; /* whose size the ranges depend on */
     iso_editor_begin_step(v->editor, &step);
     v->range_count = 0;
@@ -420,7 +433,7 @@ static bool reads_dirty(const iso_versions *v, const drawn *d) {
 
 /* An update: the strokes of the new list that are drawn, with the old ones that they keep. */
 typedef struct update {
-    const iso_stroke **strokes;
+    iso_stroke **strokes;
     drawn **old;  /* by stroke: as it was drawn in the old list, in the same order there; NULL: not at all */
     drawn **made; /* by stroke: new, owned until the update succeeds; NULL: `old` is kept */
     size_t count;
@@ -474,7 +487,7 @@ static iso_status match(iso_versions *v, const iso_stroke_list *list, update *u,
     bool whole = u->strokes && u->old && u->made && by_number && places;
     for (size_t i = 0; whole && i < v->count; i++) by_number[v->list[i]->number] = i + 1;
     for (size_t i = 0; whole && i < list->count; i++) {
-        const iso_stroke *stroke = iso_stroke_at(list, i);
+        iso_stroke *stroke = iso_stroke_at(list, i);
         if (!stroke->muted) u->strokes[u->count++] = stroke;
     }
     for (size_t i = 0; whole && i < u->count; i++) {
@@ -489,15 +502,21 @@ static iso_status match(iso_versions *v, const iso_stroke_list *list, update *u,
     return whole ? ISO_OK : no_memory(error);
 }
 
+static bool is_drawn_so(const drawn *d, const iso_stroke *stroke) {
+    return d->path == stroke->path && iso_brush_is_same(&d->brush, &stroke->brush);
+}
+
 /* Walks both lists and draws what must be drawn. */
-static iso_status walk(iso_versions *v, update *u, const iso_progress *progress, iso_error *error) {
+static iso_status walk(iso_versions *v, update *u, const iso_versions_visitor *visitor,
+                       const iso_progress *progress, iso_error *error) {
     size_t old = 0;
     for (size_t i = 0; i < u->count; i++) {
         drawn *kept = u->old[i];
         ISO_TRY(iso_progress_tell(progress, "the strokes", (double)i / (double)u->count, error));
         while (kept && v->list[old] != kept) apply(v, v->list[old++], true, false);
         old += kept != NULL;
-        if (kept && iso_brush_is_same(&kept->brush, &u->strokes[i]->brush) && !reads_dirty(v, kept)) {
+        if (visitor) ISO_TRY(visitor->visit(visitor->context, v, u->strokes[i], error));
+        if (kept && is_drawn_so(kept, u->strokes[i]) && !reads_dirty(v, kept)) {
             apply(v, kept, true, true);
             continue;
         }
@@ -529,15 +548,17 @@ static void accept(iso_versions *v, update *u) {
     u->old = NULL;
 }
 
-iso_status iso_versions_update(iso_versions *v, const iso_stroke_list *list, const iso_progress *progress,
+iso_status iso_versions_update(iso_versions *v, const iso_stroke_list *list,
+                               const iso_versions_visitor *visitor, const iso_progress *progress,
                                iso_error *error) {
     update u = {.count = 0};
     memset(v->before, 0, v->keys * sizeof *v->before);
     memset(v->after, 0, v->keys * sizeof *v->after);
     memset(v->dirty_at, 0, v->keys * sizeof *v->dirty_at);
     v->dirty_count = 0;
+    if (v->cache) memset(v->cache->of, 0, sizeof v->cache->of);
     iso_status status = match(v, list, &u, error);
-    if (status == ISO_OK) status = walk(v, &u, progress, error);
+    if (status == ISO_OK) status = walk(v, &u, visitor, progress, error);
     if (status == ISO_OK) {
         v->stats.strokes += u.count;
         accept(v, &u);
@@ -625,8 +646,96 @@ unsigned iso_versions_find(const iso_versions *v, const double at[3]) {
     return found;
 }
 
+/* ---- the surface along a line */
+
+/* Returns the distance at a voxel, at this place of the new list. */
+static double value_at(iso_versions *v, const int at[3]) {
+    const size_t cell =
+        iso_hgrid_cell_index(v->grid, at[0] / ISO_BRICK, at[1] / ISO_BRICK, at[2] / ISO_BRICK);
+    const cell_key key = (cell_key)(PARTS * cell);
+    const version *is = or_first(v, key, v->after[key]);
+    const int voxel = (at[2] % ISO_BRICK * ISO_BRICK + at[1] % ISO_BRICK) * ISO_BRICK + at[0] % ISO_BRICK;
+    const int32_t state = is ? is->state : v->grid->cell[cell];
+    if (is && is->size) {
+        const int slot = (int)(cell % CACHED);
+        if (v->cache->of[slot] != is) unpack(v, is, v->cache->bricks[slot]);
+        v->cache->of[slot] = is;
+        return (double)v->cache->bricks[slot][voxel];
+    }
+    if (!is && state >= 0) return (double)iso_hgrid_brick(v->grid, state)[voxel];
+    return state == ISO_CELL_INSIDE ? -(double)v->grid->band : (double)v->grid->band;
+}
+
+/* A line in voxels; t: along it. */
+typedef struct line {
+    double from[3], along[3];
+} line;
+
+/* The distance at a place of the line; NAN outside of the grid. */
+static double value_on(iso_versions *v, const line *l, double t) {
+    double part[3], sum = 0;
+    int down[3];
+    for (int axis = 0; axis < 3; axis++) {
+        const double at = l->from[axis] + t * l->along[axis];
+        if (!(at >= 0 && at < v->grid->dims[axis] - 1)) return NAN;
+        down[axis] = (int)at;
+        part[axis] = at - down[axis];
+    }
+    for (int k = 0; k < 8; k++) {
+        double weight = 1;
+        int at[3];
+        for (int axis = 0; axis < 3; axis++) {
+            at[axis] = down[axis] + (k >> axis & 1);
+            weight *= k >> axis & 1 ? part[axis] : 1 - part[axis];
+        }
+        if (weight > 0) sum += weight * value_at(v, at);
+    }
+    return sum;
+}
+
+/* Where the distance, which is inside at lo and outside at hi, is 0. */
+static double find_root(iso_versions *v, const line *l, double lo, double hi) {
+    for (int i = 0; i < 30; i++) {
+        const double middle = 0.5 * (lo + hi);
+        *(value_on(v, l, middle) > 0 ? &hi : &lo) = middle;
+    }
+    return 0.5 * (lo + hi);
+}
+
+iso_status iso_versions_cast(iso_versions *v, const iso_sample *sample, double *distance, iso_error *error) {
+    const double step = 0.5;
+    const iso_affine affine = iso_transform_affine(&v->grid->transform);
+    const iso_vec3 from = iso_affine_point_to_index(&affine, sample->position),
+                   along = iso_affine_vector_to_index(&affine, iso_vec3_unit(sample->normal));
+    const double voxels = iso_vec3_length(along); /* to one mm */
+    const int *dims = v->grid->dims, most = dims[0] > dims[1] ? dims[0] : dims[1],
+              steps = (most > dims[2] ? most : dims[2]) / 2;
+    line l;
+    *distance = NAN;
+    if (!v->cache) v->cache = iso_alloc_zero(1, sizeof *v->cache);
+    if (!v->cache) return no_memory(error);
+    if (!(voxels > 0)) return ISO_OK;
+    iso_vec3_store(from, l.from);
+    iso_vec3_store(iso_vec3_scale(along, 1 / voxels), l.along);
+    double ahead = value_on(v, &l, 0), behind = ahead;
+    for (int i = 1; i <= steps; i++) {
+        const double next = value_on(v, &l, i * step), last = value_on(v, &l, -i * step);
+        const bool leaves = ahead <= 0 && next > 0, left = last <= 0 && behind > 0;
+        if (leaves || left) {
+            const double lo = leaves ? (i - 1) * step : -i * step;
+            *distance = find_root(v, &l, lo, lo + step) / voxels;
+            return ISO_OK;
+        }
+        ahead = next;
+        behind = last;
+    }
+    return ISO_OK;
+}
+
 iso_versions_stats iso_versions_get_stats(const iso_versions *v) {
     iso_versions_stats stats = v->stats;
     stats.cost = iso_editor_cost(v->editor);
+    stats.bytes = v->store.in_memory + v->store.in_files;
+    stats.in_files = v->store.in_files;
     return stats;
 }

@@ -20,23 +20,41 @@ typedef struct iso_versions iso_versions;
 
 /* What updates have cost so far. */
 typedef struct iso_versions_stats {
-    size_t strokes, drawn; /* strokes of the lists of all updates, and those of them that were drawn */
-    size_t bytes;          /* packed versions in memory now */
-    double cost;           /* iso_editor_cost */
+    size_t strokes, drawn;  /* strokes of the lists of all updates, and those of them that were drawn */
+    size_t bytes, in_files; /* packed versions now, and those of them that lie in files */
+    double cost;            /* iso_editor_cost */
 } iso_versions_stats;
 
-/* Takes ownership of the field before all strokes, also when it fails; `paint` is its paint, which is copied
+/* `memory`: bytes of packed versions that are kept in memory; more lie in files in TMPDIR (/tmp).
+ * Takes ownership of the field before all strokes, also when it fails; `paint` is its paint, which is copied
  * (no cells: it has none). `check` is called before each touch, and an error of it ends the update (NULL: not
  * called). The pool is borrowed. ISO_ERR_NOMEM; ISO_ERR_USAGE: a grid that cannot be sculpted. */
 typedef iso_status iso_versions_check(void *context, double cost, iso_error *error);
-iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, iso_pool *pool,
+iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, size_t memory, iso_pool *pool,
                                iso_versions_check *check, void *context, iso_versions **versions,
                                iso_error *error);
 void iso_versions_destroy(iso_versions *versions); /* NULL is fine */
 
-/* Draws a list. Errors: those of touches; ISO_ERR_IO: cancelled. The versions are as before then. */
+/* Called for each stroke at its place in the list, before it is drawn; not for muted ones. It may give the
+ * stroke other samples. */
+typedef iso_status iso_versions_visit(void *context, iso_versions *versions, iso_stroke *stroke,
+                                      iso_error *error);
+typedef struct iso_versions_visitor {
+    iso_versions_visit *visit;
+    void *context;
+} iso_versions_visitor;
+
+/* Draws a list. visitor: NULL, or whom it is shown to. Errors: those of touches and of visits; ISO_ERR_IO:
+ * cancelled. The versions are as before then. */
 iso_status iso_versions_update(iso_versions *versions, const iso_stroke_list *list,
-                               const iso_progress *progress, iso_error *error);
+                               const iso_versions_visitor *visitor, const iso_progress *progress,
+                               iso_error *error);
+
+/* During a visit: the distance, in mm along a sample's normal, from the sample to the surface as it is before
+ * the stroke: to where that turns from the inside to the outside, the nearest such place ahead or behind.
+ * NAN: there is none within a quarter of the grid. ISO_ERR_NOMEM. */
+iso_status iso_versions_cast(iso_versions *versions, const iso_sample *sample, double *distance,
+                             iso_error *error);
 
 /* The cells in which the result of the last update differs from that of the update before it: each has a new
  * brick or entry, or a new item. `state` of the field: 0 (a brick), ISO_CELL_OUTSIDE or ISO_CELL_INSIDE; of

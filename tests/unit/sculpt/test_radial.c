@@ -39,6 +39,10 @@ static void draw_all(iso_session *session, unsigned radial, char axis, unsigned 
         const double h = 9.5 - 1.4 * i, r = sqrt(fmax(100 - h * h, 0));
         const iso_vec3 path[] = {{0.8 * r, 0.6 * r, h}, {0.75 * r, 0.65 * r, h - 0.7}, {0.6 * r, 0.8 * r, h}};
         brush.symmetry = symmetry;
+        if (i % 3 == 1) { /* some that meet, and some apart */
+            brush.repeat[0] = 1 + (unsigned)i / 3;
+            brush.repeat_by[0] = iso_vec3_make(0, 0.4 * i, -1.5);
+        }
         session_stroke(session, &brush, path, 3);
     }
 }
@@ -204,6 +208,85 @@ static void images_on_the_axis_act_once(void **state) {
     }
 }
 
+/* ---- repeated images */
+
+static void repeated_images_are_moved_ones(void **state) {
+    (void)state;
+    iso_brush_image images[ISO_IMAGES_MOST];
+    const iso_brush brush = {.radius = 1, .repeat = {4, 3}, .repeat_by = {{2, 0.5, 0}, {0, 0, -3}}};
+    assert_int_equal(iso_brush_images(&brush, images), 12);
+    for (int i = 0; i < 12; i++) {
+        const iso_vec3 at = iso_brush_image_point(&images[i], iso_vec3_make(1, 1, 1)),
+                       up = iso_brush_image_direction(&images[i], iso_vec3_make(0, 0.6, 0.8));
+        assert_true(at.x == 1 + 2 * (i % 4) && at.y == 1 + 0.5 * (i % 4) && at.z == 1 - 3 * (i / 4));
+        assert_true(up.x == 0 && up.y == 0.6 && up.z == 0.8);
+    }
+    const struct {
+        iso_brush brush;
+        int count; /* 0: refused */
+    } cases[] = {{{.repeat = {256, 0}, .repeat_by = {{1, 0, 0}}}, 256},
+                 {{.repeat = {257, 0}, .repeat_by = {{1, 0, 0}}}, 0},
+                 {{.repeat = {32, 8}, .repeat_by = {{1, 0, 0}, {0, 1, 0}}}, 256},
+                 {{.repeat = {32, 9}, .repeat_by = {{1, 0, 0}, {0, 1, 0}}}, 0},
+                 {{.repeat = {32, 2}, .repeat_by = {{1, 0, 0}, {0, 1, 0}}, .symmetry = 3}, 256},
+                 {{.repeat = {32, 2}, .repeat_by = {{1, 0, 0}, {0, 1, 0}}, .symmetry = 7}, 0},
+                 {{.repeat = {9, 0}, .repeat_by = {{1, 0, 0}}, .radial = 28}, 252},
+                 {{.repeat = {9, 0}, .repeat_by = {{1, 0, 0}}, .radial = 29}, 0},
+                 {{.repeat = {2, 0}}, 0},
+                 {{.repeat = {1, 1}}, 1},
+                 {{.repeat = {2, 0}, .repeat_by = {{NAN, 0, 0}}}, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        iso_brush checked = cases[i].brush;
+        checked.radius = 1;
+        assert_int_equal(iso_brush_check(&checked, NULL) == ISO_OK, cases[i].count > 0);
+        if (cases[i].count) assert_int_equal(iso_brush_images(&checked, images), cases[i].count);
+    }
+}
+
+/* Rows of images that lie apart do what as many strokes do, before or after the ball is mirrored. */
+static void repeated_images_act_as_strokes(void **state) {
+    (void)state;
+    const iso_vec3 by[2] = {{6, 0, 0}, {0.5, 7, 0.5}}, path[] = {{-6.5, -4, 5}, {-6, -3.5, 5.5}};
+    for (int t = 0; t < TOOL_COUNT; t++) {
+        iso_session *one = open_session(NULL, NULL), *many = open_session(NULL, NULL);
+        iso_brush brush = make_brush(TOOLS[t], 0, 0);
+        brush.radius = 1.2;
+        const iso_sample samples[] = {{.position = path[0], .normal = {0, 0, 1}, .pressure = 1},
+                                      {.position = path[1], .normal = {0, 0, 1}, .pressure = 1}};
+        for (int i = 0; i < 6; i++) {
+            iso_sample moved[2] = {samples[0], samples[1]};
+            for (int k = 0; k < 2; k++)
+                moved[k].position =
+                    iso_vec3_add(moved[k].position,
+                                 iso_vec3_add(iso_vec3_scale(by[0], i % 3), iso_vec3_scale(by[1], i / 3)));
+            assert_int_equal(iso_session_begin(many, &brush, &moved[0], NULL, NULL), ISO_OK);
+            assert_int_equal(iso_session_sample(many, &moved[1], NULL, NULL), ISO_OK);
+            assert_int_equal(iso_session_end(many, NULL), ISO_OK);
+        }
+        brush.repeat[0] = 3;
+        brush.repeat[1] = 2;
+        memcpy(brush.repeat_by, by, sizeof by);
+        assert_int_equal(iso_session_begin(one, &brush, &samples[0], NULL, NULL), ISO_OK);
+        assert_int_equal(iso_session_sample(one, &samples[1], NULL, NULL), ISO_OK);
+        assert_int_equal(iso_session_end(one, NULL), ISO_OK);
+        double most = 0, near = 0;
+        for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+            const int v[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+            const double a = (double)iso_hgrid_at(iso_session_grid(one), v[0], v[1], v[2]),
+                         b = (double)iso_hgrid_at(iso_session_grid(many), v[0], v[1], v[2]);
+            most = fmax(most, fabs(a - b));
+            if (fabs(a) < 0.9) near = fmax(near, fabs(a - b));
+            assert_int_equal(iso_session_masked(one, v[0], v[1], v[2]),
+                             iso_session_masked(many, v[0], v[1], v[2]));
+        }
+        print_message("%s: six images and six strokes differ by %.2g voxel, near the surface %.2g\n",
+                      iso_tool_name(TOOLS[t]), most, near);
+        assert_true(most < 0.5 && near < 0.1); /* (beside creases, which each stroke corrects) */
+        iso_session_destroy(one);
+        iso_session_destroy(many);
+    }
+}
+
 /* ---- the same bytes */
 
 static void threads_give_the_same(void **state) {
@@ -230,6 +313,9 @@ static void replay_and_edits_give_the_same(void **state) {
     session_field drawn = session_field_of(session);
     iso_event edit = {.kind = ISO_EVENT_EDIT, .first = 3, .last = 3};
     edit.brush = make_brush(TOOLS[2], 9, 'z');
+    edit.brush.repeat[0] = edit.brush.repeat[1] = 2;
+    edit.brush.repeat_by[0] = iso_vec3_make(0.1, 1.0 / 3, 0);
+    edit.brush.repeat_by[1] = iso_vec3_make(0, 0, -4);
     assert_int_equal(iso_session_edit(session, &edit, NULL), ISO_OK);
     assert_false(session_is(session, &drawn));
     session_field edited = session_field_of(session);
@@ -243,6 +329,7 @@ static void replay_and_edits_give_the_same(void **state) {
     assert_true(session_is(resumed, &edited));
     iso_stroke_list list = {.count = 0};
     assert_int_equal(iso_session_strokes(resumed, &list, NULL), ISO_OK);
+    assert_true(iso_brush_is_same(&iso_stroke_at(&list, 2)->brush, &edit.brush));
     assert_int_equal(iso_stroke_at(&list, 2)->brush.radial, 9);
     assert_int_equal(iso_stroke_at(&list, 2)->brush.radial_axis, 'z');
     assert_int_equal(iso_stroke_at(&list, 3)->brush.radial, 6);
@@ -359,7 +446,7 @@ static void follow_back(const iso_dabs *dabs, const double at[3], double shift[3
             weights += w;
             most = fmax(most, w);
         }
-        const double factor = !dabs->radial ? 1 : weights > 0 ? most / weights : 0;
+        const double factor = !dabs->averaged ? 1 : weights > 0 ? most / weights : 0;
         for (int k = 0; k < 3; k++) shift[k] += factor * sum[k];
     }
 }
@@ -481,6 +568,8 @@ int main(void) {
                                        cmocka_unit_test(drags_reach_other_images),
                                        cmocka_unit_test(overlapping_images_leave_distances),
                                        cmocka_unit_test(images_are_apart_or_not),
+                                       cmocka_unit_test(repeated_images_are_moved_ones),
+                                       cmocka_unit_test(repeated_images_act_as_strokes),
                                        cmocka_unit_test(threads_give_the_same),
                                        cmocka_unit_test(replay_and_edits_give_the_same)};
     return cmocka_run_group_tests(tests, NULL, NULL);
