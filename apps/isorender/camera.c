@@ -213,12 +213,15 @@ static iso_camera fitted_camera(isorender_job *job, isorender_fit fitting) {
     return camera;
 }
 
-/* A position that is given is where the eye is; azimuth and elevation turn it from there. */
+/* A position that is given is where the eye is; azimuth and elevation turn it from there. Else the direction
+ * that is given as up stays as it is, so that scenes have all bits of a camera. */
 static void place_camera(const isorender_job *job, iso_camera *camera) {
     const isorender_settings *settings = job->settings;
     camera->position = vector(settings->position);
     if (settings->azimuth != 0 || settings->elevation != 0)
         iso_camera_orbit(camera, settings->azimuth, settings->elevation);
+    else if (is_given(settings->view_up))
+        camera->view_up = vector(settings->view_up);
 }
 
 /* The camera of the settings, at a distance that shows job->bounds_framed or, if the fit is tight, the
@@ -244,6 +247,7 @@ iso_status isorender_camera_make(isorender_job *job, iso_error *error) {
     const isorender_panel *panel = settings->panel && !settings->panel->is_survey ? settings->panel : NULL;
     if (panel ? panel->has_camera : first && first->has_camera) {
         job->camera = panel ? panel->camera : first->camera;
+        job->shares_view = !panel;
         return ISO_OK;
     }
     if (panel) {

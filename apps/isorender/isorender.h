@@ -94,6 +94,7 @@ struct isorender_job {
     iso_point_workspace *point_workspace;            /* or NULL */
     iso_occluders occluders;                         /* of --occlusion and --shadow */
     iso_camera camera;                               /* of the first frame */
+    bool shares_view; /* it and the isovalue are those of an input before (--same-view) */
     isorender_frame *frames;
     int frame_count;
     int frame;       /* that is being drawn, */

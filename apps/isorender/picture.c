@@ -82,8 +82,8 @@ iso_status isorender_labels_make(const isorender_job *job, isorender_labels *l, 
         if (!job->surfaces[i].loader->has_points)
             used += (size_t)snprintf(l->isovalues + used, sizeof l->isovalues - used, "%s%.10g",
                                      used ? ", " : "isovalue ", job->surfaces[i].scene.isovalue);
-    snprintf(l->command, sizeof l->command, "%s %s%s%s", program->name, job->plan->model,
-             job->settings->common.record, isorender_camera_record(job));
+    snprintf(l->command, sizeof l->command, "%s %s", program->name, job->plan->model);
+    isorender_scene_command(job, l->command, sizeof l->command);
     return isorender_scene_text(job, &l->scene, error);
 }
 

@@ -2,6 +2,8 @@
 #include "apps/isorender/scene_file.h"
 
 #include <jansson.h>
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -19,44 +21,138 @@ static bool has_input(const isorender_job *job) {
     return (!settings->no_input || settings->smooth) && !settings->scene && !settings->series_of;
 }
 
-/* The job's options as a scene has them: of ISORENDER_NOTED + 1. Returns their number. */
-static int list_options(const isorender_job *job, iso_scene_option options[ISORENDER_NOTED + 1]) {
-    const isorender_settings *settings = job->settings;
-    int count = 0;
-    for (; count < settings->noted_count; count++) {
-        const isorender_noted *noted = &settings->noted[count];
-        options[count] = (iso_scene_option){noted->option->name, noted->value,
-                                            (noted->option->flags & ISO_OPTION_READS) != 0,
-                                            (noted->option->flags & ISO_OPTION_READS_PART) != 0};
-    }
-    if (*isorender_camera_record(job)) options[count++] = (iso_scene_option){"fit", "box", false, false};
-    return count;
+enum { VIEW_OPTIONS = 6 };
+
+/* The options of a scene. `values`: of those that no command line has. */
+typedef struct scene_options {
+    iso_scene_option list[ISORENDER_NOTED + VIEW_OPTIONS];
+    int count;
+    char values[VIEW_OPTIONS][96];
+    int value_count;
+} scene_options;
+
+/* Adds an option with one number (`count` 1) or a vector (3), with all bits. */
+static void add_numbers(scene_options *to, const char *name, const double *numbers, int count) {
+    char *value = to->values[to->value_count++];
+    snprintf(value, sizeof to->values[0], "%.17g", numbers[0]);
+    if (count == 3)
+        snprintf(value, sizeof to->values[0], "%.17g,%.17g,%.17g", numbers[0], numbers[1], numbers[2]);
+    to->list[to->count++] = (iso_scene_option){name, value, false, false};
 }
 
-static iso_scene_record make_record(const isorender_job *job, iso_scene_option options[ISORENDER_NOTED + 1]) {
+static void add_vector(scene_options *to, const char *name, iso_vec3 v) {
+    add_numbers(to, name, (const double[]){v.x, v.y, v.z}, 3);
+}
+
+/* The millimetres of a pixel that give a parallel scale again: the quotient, or a number beside it. */
+static double pixel_of_scale(double scale, int height) {
+    const double quotient = scale * 2 / height;
+    for (double pixel = quotient * (1 - 4e-16); pixel <= quotient * (1 + 4e-16);
+         pixel = nextafter(pixel, INFINITY))
+        if (pixel * height / 2 == scale) return pixel;
+    return quotient;
+}
+
+/* What --same-view took from an input before: a picture must not need that one to be drawn again. */
+static void add_view(const isorender_job *job, scene_options *to) {
+    const isorender_settings *settings = job->settings;
+    const iso_camera *camera = &job->camera;
+    add_vector(to, "camera-position", camera->position);
+    add_vector(to, "camera-focal-point", camera->focal_point);
+    add_vector(to, "camera-view-up", camera->view_up);
+    if (camera->orthographic) {
+        const double pixel = pixel_of_scale(camera->parallel_scale, settings->height);
+        add_numbers(to, "mm-per-pixel", &pixel, 1);
+    } else
+        add_numbers(to, "view-angle", &camera->view_angle, 1);
+    if (!settings->isovalue_count && job->has_volume && job->input_surface_count &&
+        !isnan(settings->first->isovalue))
+        add_numbers(to, "isovalue", &settings->first->isovalue, 1);
+}
+
+/* Whether an option says which camera there is, so that it is not noted beside the camera itself. */
+static bool is_of_view(const char *name) {
+    static const char *const names[] = {"same-view",
+                                        "camera",
+                                        "up",
+                                        "azimuth",
+                                        "elevation",
+                                        "zoom",
+                                        "orthographic",
+                                        "mm-per-pixel",
+                                        "fit",
+                                        "margin",
+                                        "view-angle",
+                                        "camera-position",
+                                        "camera-view-up",
+                                        "camera-focal-point"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(name, names[i]) == 0) return true;
+    return false;
+}
+
+/* Whether a scene states the view that --same-view took; a series, which is one scene, has it by itself. */
+static bool states_view(const isorender_job *job) {
+    return job->shares_view && !job->settings->series_of;
+}
+
+static void list_options(const isorender_job *job, scene_options *options) {
+    const isorender_settings *settings = job->settings;
+    const bool shared = states_view(job);
+    options->count = options->value_count = 0;
+    for (int i = 0; i < settings->noted_count; i++) {
+        const isorender_noted *noted = &settings->noted[i];
+        if (shared && is_of_view(noted->option->name)) continue;
+        options->list[options->count++] = (iso_scene_option){
+            noted->option->name, noted->value, (noted->option->flags & ISO_OPTION_READS) != 0,
+            (noted->option->flags & ISO_OPTION_READS_PART) != 0};
+    }
+    if (shared)
+        add_view(job, options);
+    else if (*isorender_camera_record(job))
+        options->list[options->count++] = (iso_scene_option){"fit", "box", false, false};
+}
+
+/* `options` is set, and borrowed. */
+static iso_scene_record make_record(const isorender_job *job, scene_options *options) {
+    list_options(job, options);
     return (iso_scene_record){.version = isorender_program()->version,
                               .input = has_input(job) ? job->plan->input : NULL,
-                              .options = options,
-                              .option_count = list_options(job, options),
+                              .options = options->list,
+                              .option_count = options->count,
                               .from = job->settings->scene_file};
 }
 
 iso_status isorender_scene_text(const isorender_job *job, char **text, iso_error *error) {
-    iso_scene_option options[ISORENDER_NOTED + 1];
+    scene_options options;
     *text = NULL;
     if (job->settings->noted_count > ISORENDER_NOTED) return ISO_OK;
-    const iso_scene_record record = make_record(job, options);
+    const iso_scene_record record = make_record(job, &options);
     return iso_scene_json_text(&record, text, error);
 }
 
+void isorender_scene_command(const isorender_job *job, char *text, size_t size) {
+    const size_t used = strlen(text);
+    iso_common_settings shared = {.record = ""};
+    scene_options options = {.count = 0};
+    if (states_view(job) && job->settings->noted_count <= ISORENDER_NOTED) list_options(job, &options);
+    for (int i = 0; i < options.count; i++) {
+        const char *name = options.list[i].name;
+        iso_settings_record_option(&shared, iso_options_find(isorender_program(), name, strlen(name)),
+                                   options.list[i].value);
+    }
+    snprintf(text + used, size - used, "%s%s", options.count ? shared.record : job->settings->common.record,
+             options.count ? "" : isorender_camera_record(job));
+}
+
 iso_status isorender_scene_save(const isorender_job *job, iso_error *error) {
-    iso_scene_option options[ISORENDER_NOTED + 1];
+    scene_options options;
     double isovalues[ISORENDER_SURFACES];
     if (!job->plan->scene_file) return ISO_OK;
     if (job->settings->noted_count > ISORENDER_NOTED)
         return iso_fail(error, ISO_ERR_LIMIT, "--save-scene: more than %d options", ISORENDER_NOTED);
     for (int i = 0; i < job->surface_count; i++) isovalues[i] = job->surfaces[i].scene.isovalue;
-    iso_scene_record record = make_record(job, options);
+    iso_scene_record record = make_record(job, &options);
     record.camera = &job->camera;
     record.isovalues = isovalues;
     record.isovalue_count = job->surface_count;

@@ -30,6 +30,10 @@ void isorender_commands_free(isorender_commands *commands);
  * than ISORENDER_NOTED. ISO_ERR_NOMEM. */
 iso_status isorender_scene_text(const isorender_job *job, char **text, iso_error *error);
 
+/* Appends to `text`, of `size` bytes, the options of a job as a command line has them, as far as there is
+ * room: those of its scene if it shares its view, else as they were given. */
+void isorender_scene_command(const isorender_job *job, char *text, size_t size);
+
 /* Writes the scene of a job with its camera and isovalues (--save-scene). ISO_ERR_WRITE, ISO_ERR_NOMEM;
  * ISO_ERR_LIMIT: more options than ISORENDER_NOTED. */
 iso_status isorender_scene_save(const isorender_job *job, iso_error *error);

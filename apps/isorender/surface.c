@@ -223,8 +223,10 @@ static iso_status extract_points(isorender_job *job, isorender_surface *surface,
     scene->primitive = isorender_primitive(job);
     scene->flat = !draws_curved_discs(job);
     scene->floats = job->settings->points != NULL;
-    /* Bounds tell whether the surface is closed: of closed ones, pyramids leave out points that face away. */
-    scene->bounded = isorender_has_reconstructions(job->method) || job->method == ISO_METHOD_HYBRID;
+    /* Bounds tell whether the surface is closed: of closed ones, pyramids leave out points that face away,
+     * and files say that they are. */
+    scene->bounded =
+        scene->floats || isorender_has_reconstructions(job->method) || job->method == ISO_METHOD_HYBRID;
     ISO_TRY(iso_scene_surface_update(scene, ISO_PART_POINTS, error));
     if (scene->filter != ISO_FILTER_LINEAR) ISO_TRY(iso_scene_surface_smooth(scene, ISO_PART_POINTS, error));
     const iso_points_stats stats = iso_point_set_stats(scene->points);

@@ -295,6 +295,10 @@ iso_status iso_surface_write_points(iso_surface *surface, const char *path, iso_
     ISO_TRY(iso_api_check_path(path, error));
     ISO_TRY(update_points(surface, &view, error));
     if (iso_point_view_count(&view) == 0) return fail_empty(surface, error);
+    if (!surface->cloud) { /* whether the surface is closed */
+        ISO_TRY(iso_point_set_bound(surface->points, error));
+        view.closed = iso_point_set_view(surface->points).closed;
+    }
     return iso_points_write_ply(path, &view, COMMENT, error);
 }
 

@@ -60,5 +60,6 @@ void iso_glyphs_crop(iso_glyphs *glyphs, const iso_box *box) {
         }
         kept++;
     }
+    glyphs->closed &= kept == glyphs->count;
     glyphs->count = kept;
 }

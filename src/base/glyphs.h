@@ -23,6 +23,7 @@ typedef struct iso_glyphs {
     size_t count;
     float *radii;           /* mm, not negative; NULL: the file has none */
     float (*directions)[3]; /* mm, with their lengths; NULL: the file has none */
+    bool closed;            /* all points of closed surfaces, with outward normals as their directions */
     bool gaussians;       /* 3-D Gaussians: `axes` are their standard deviations, and the attribute "opacity",
                                0 .. 1, belongs to them */
     float (*axes)[9];     /* three half axes of an ellipsoid or box, mm, one after the other; NULL: none */

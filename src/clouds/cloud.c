@@ -239,6 +239,8 @@ static iso_status make_cloud(maker *m, iso_error *error) {
     ISO_TRY(finish_radii(m, error));
     if (m->normals) m->source.normals = iso_point_column_of(m->normals, sizeof *m->normals);
     m->source.radii = iso_point_column_of(m->radii, sizeof *m->radii);
+    m->cloud->closed =
+        m->glyphs->closed && m->glyphs->directions && !m->normals && !m->opts->estimate_normals;
     return fill_cloud(&m->source, &m->survey, m->cloud->radius, m->opts->pool, m->cloud, error);
 }
 
@@ -305,5 +307,6 @@ iso_point_view iso_cloud_view(const iso_cloud *cloud) {
                             .span_count = cloud->span_count,
                             .transform = cloud->transform,
                             .radius = cloud->radius,
+                            .closed = cloud->closed,
                             .overlapping = true};
 }

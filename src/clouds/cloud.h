@@ -27,6 +27,7 @@ typedef struct iso_cloud {
     size_t span_count, count;
     iso_transform transform; /* cubic voxels, about as large as the distances between points */
     double radius;           /* the median of the radii, mm */
+    bool closed;             /* as in iso_point_view: the file says so, and has the normals */
     size_t estimated_normals, estimated_radii; /* how many of the points have them */
 } iso_cloud;
 

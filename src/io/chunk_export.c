@@ -57,6 +57,7 @@ typedef struct point_export {
     const iso_chunk_walk *walk;
     segments all;
     iso_box box;         /* around all points, index coordinates */
+    bool closed;         /* the surface of all chunks is */
     iso_point_file file; /* while points are written */
 } point_export;
 
@@ -76,9 +77,11 @@ static iso_status extract_points(const iso_chunk_walk *walk, const iso_chunk_vis
 static iso_status count_points(void *context, const iso_chunk_visit *visit, iso_error *error) {
     point_export *out = context;
     iso_point_set *points = NULL;
-    const iso_status status = extract_points(out->walk, visit, &points, error);
+    iso_status status = extract_points(out->walk, visit, &points, error);
+    if (status == ISO_OK) status = iso_point_set_bound(points, error);
     if (status == ISO_OK) {
         const iso_point_view view = iso_point_set_view(points);
+        out->closed &= view.closed;
         const iso_box box = iso_point_view_bounds(&view);
         for (size_t i = 0; i < view.span_count; i++)
             out->all.points[segment_of(&out->all, view.spans[i].brick)] += view.spans[i].count;
@@ -131,6 +134,7 @@ static iso_status write_points(point_export *out, iso_chunk_walk *walk, const ch
     const iso_point_file_opts opts = {.count = exported->points,
                                       .box = &out->box,
                                       .transform = &iso_chunk_walk_opts_of(walk)->source->transform,
+                                      .closed = out->closed,
                                       .comment = comment};
     ISO_TRY(iso_point_file_begin(path, &opts, &out->file, error));
     const iso_status status = out->file.start < 0 ? fail_order(path, error)
@@ -140,7 +144,7 @@ static iso_status write_points(point_export *out, iso_chunk_walk *walk, const ch
 
 iso_status iso_chunk_export_points(iso_chunk_walk *walk, const char *path, const char *comment,
                                    iso_chunk_exported *exported, iso_error *error) {
-    point_export out = {.walk = walk, .box = iso_box_empty()};
+    point_export out = {.walk = walk, .box = iso_box_empty(), .closed = true};
     *exported = (iso_chunk_exported){0};
     ISO_TRY(make_segments(walk, &out.all, error));
     const iso_status status = write_points(&out, walk, path, comment, exported, error);

@@ -32,6 +32,8 @@ static void write_header(const iso_point_file *file, const iso_point_file_opts *
     FILE *stream = file->sink.stream;
     fputs("ply\nformat binary_little_endian 1.0\n", stream);
     iso_encode_comment(stream, "comment ", opts->comment);
+    if (opts->closed)
+        fprintf(stream, "comment closed surface of %llu points\n", (unsigned long long)opts->count);
     fprintf(stream, "element vertex %llu\n", (unsigned long long)opts->count);
     static const char *const names[] = {"x", "y", "z", "nx", "ny", "nz", "radius"};
     static const char *const colors[] = {"red", "green", "blue"};
@@ -100,6 +102,7 @@ iso_status iso_points_write_ply(const char *path, const iso_point_view *view, co
                                       .transform = &view->transform,
                                       .colors = view->colors != NULL,
                                       .opacities = view->opacities != NULL,
+                                      .closed = view->closed,
                                       .comment = comment};
     iso_point_file file;
     ISO_TRY(iso_point_file_begin(path, &opts, &file, error));

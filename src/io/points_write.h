@@ -2,8 +2,9 @@
  *
  * Binary little-endian PLY with per-vertex float properties x y z nx ny nz radius, world millimetres,
  * normals out of the solid, one comment naming the program; uchar red green blue where points have colours,
- * and uchar alpha where they have opacities. x y z are doubles when the points lie so far from 0 that floats
- * would round their places: map coordinates. */
+ * and uchar alpha where they have opacities. Points that are all those of closed surfaces have the comment
+ * "closed surface of N points", too, so that readers know that points that face away are hidden. x y z are
+ * doubles when the points lie so far from 0 that floats would round their places: map coordinates. */
 #ifndef ISO_IO_POINTS_WRITE_H
 #define ISO_IO_POINTS_WRITE_H
 
@@ -26,6 +27,7 @@ typedef struct iso_point_file_opts {
     const iso_transform *transform;
     bool colors;         /* the points have colours */
     bool opacities;      /* the points have opacities */
+    bool closed;         /* as in iso_point_view */
     const char *comment; /* or NULL */
 } iso_point_file_opts;
 

@@ -16,6 +16,18 @@ expect(same[0]["camera"] == same[1]["camera"] and same[0]["isovalue"] == same[1]
 expect(own[0]["camera"] != own[1]["camera"] and own[0]["isovalue"] != own[1]["isovalue"], own)
 expect(same[0]["image"]["hash"] == own[0]["image"]["hash"] and same[1]["image"]["covered"] < own[1]["image"]["covered"] / 2, same)
 P
+# each picture draws itself again without the others: it holds the camera and isovalue that it shares
+isorender in/large.mha --no-image --points in/points.ply --quiet
+for how in "--azimuth 31 --up +y" "--zoom 1.3 --camera iso --margin 0.1" "--mm-per-pixel 0.3"; do
+    isorender in/large.mha in/small.mha in/points.ply -o 'shared-{n}.png' --resolution 67x49 --same-view --fit box $how --quiet
+    for number in 0 1 2; do
+        isorender --again shared-$number.png -o again.png --quiet
+        cmp shared-$number.png again.png
+    done
+done
+isorender in/large.mha in/small.mha -o 'shared-{n}.png' --resolution 67x49 --same-view --orthographic --elevation 17 --quiet
+isorender --again shared-1.png -o again.png --quiet
+cmp shared-1.png again.png
 # an input that fails has no line, and the others have theirs
 ! isorender in/none.mha in/small.mha --output '{model}.png' --resolution 60x60 --same-view --json --quiet >lines 2>/dev/null
 [ "$(wc -l <lines)" -eq 1 ]

@@ -273,12 +273,21 @@ static bool parse_property(iso_ply *ply, const header_line *line) {
     return true;
 }
 
+/* Takes the number from the comment that says that the points are those of a closed surface. */
+static void parse_comment(iso_ply *ply, const header_line *line) {
+    if (!is_word(line, 1, "closed") || !is_word(line, 2, "surface") || !is_word(line, 3, "of") ||
+        !is_word(line, 5, "points"))
+        return;
+    ply->closed_points = strtoull(line->words[4], NULL, 10);
+}
+
 static iso_status read_header(iso_ply *ply, iso_error *error) {
     header_line line;
     size_t bytes = 0;
     bool has_format = false;
     for (;;) {
         ISO_TRY(read_line(ply, &line, &bytes, error));
+        if (is_word(&line, 0, "comment")) parse_comment(ply, &line);
         if (line.count == 0 || is_word(&line, 0, "comment") || is_word(&line, 0, "obj_info")) continue;
         if (is_word(&line, 0, "end_header")) break;
         bool good = false;
@@ -311,6 +320,7 @@ static bool read_magic(iso_ply *ply) {
 
 iso_status iso_ply_open(const char *path, iso_ply *ply, iso_error *error) {
     ply->element_count = ply->property_count = 0;
+    ply->closed_points = 0;
     ply->items = ISO_PLY_NOT_KNOWN;
     ISO_TRY(iso_stream_open(path, &ply->in, error));
     skip_mark(ply);

@@ -54,6 +54,8 @@ typedef struct iso_ply {
     int element_count, property_count;
     iso_ply_element elements[ISO_PLY_ELEMENTS];
     iso_ply_property properties[ISO_PLY_PROPERTIES];
+    /* From the comment "closed surface of N points" (io/points_write.h): N; 0: the header has none. */
+    uint64_t closed_points;
     uint64_t items_left; /* of ASCII: items that have not been read to their end */
     enum {
         ISO_PLY_NOT_KNOWN,

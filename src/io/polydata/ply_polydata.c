@@ -194,6 +194,7 @@ static iso_status read_faces(ply_reader *r, const iso_ply_element *element, iso_
 static iso_status read_elements(ply_reader *r, iso_error *error) {
     bool has_points = false, has_edges = false;
     ISO_TRY(iso_ply_open(r->data->reading->path, &r->ply, error));
+    r->data->closed_points = r->ply.closed_points;
     if (iso_ply_packs_gaussians(&r->ply)) return iso_ply_read_packed_gaussians(&r->ply, r->data, error);
     for (int i = 0; i < r->ply.element_count; i++) {
         const iso_ply_element *element = &r->ply.elements[i];

@@ -14,6 +14,8 @@ typedef struct iso_polydata {
     bool keep_floats; /* coordinates are floats in the file: the origin stays 0, so that points keep their
                          exact values */
     bool points_only; /* lines are not wanted, so readers may skip them */
+    /* Of .ply: how many points make a closed surface; 0: it is not known whether they do. */
+    uint64_t closed_points;
     bool packed_gaussians; /* Gaussians whose "opacity" is 0 .. 1 and whose "scale" is logarithmic */
     struct iso_faces
         *surface; /* of .vtk, .vtp and .off: polygons and strips are added to it, and columns are skipped;

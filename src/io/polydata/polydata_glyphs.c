@@ -253,6 +253,7 @@ iso_status iso_polydata_to_glyphs(iso_polydata *data, iso_glyphs *glyphs, iso_er
         iso_glyphs_free(&made);
         return status;
     }
+    made.closed = made.count && made.count == data->closed_points;
     made.positions = data->points.data;
     data->points = (iso_buffer){0};
     *glyphs = made;

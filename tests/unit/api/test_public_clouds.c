@@ -112,7 +112,8 @@ static void test_discs(void **state) {
     opts.camera = &camera;
     for (int i = 0; i < 4; i++)
         assert_int_equal(iso_render(i < 3 ? clouds[i] : ball, &opts, &images[i], NULL), ISO_OK);
-    assert_int_equal(differing(&images[0], &images[1]), 0);
+    /* the file says that its surface is closed: at its outline, points that face away are left out */
+    assert_in_range(differing(&images[0], &images[1]), 1, 60);
     size_t outline[2] = {0, 0};
     for (size_t i = 3; i < 4 * (size_t)WIDTH * HEIGHT; i += 4) {
         outline[0] += (images[0].rgba[i] > 127) != (images[3].rgba[i] > 127);
