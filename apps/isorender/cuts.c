@@ -60,16 +60,15 @@ iso_status isorender_cuts_check(const isorender_settings *settings, iso_error *e
     ISO_TRY(check_caps(settings, error));
     if (!settings->cut_count) return ISO_OK;
     const bool cloud = settings->object_options.has_cloud; /* isorender_cuts_check_points */
-    if (!cloud && !settings->gaussians && !isorender_method_can(settings, ISO_CAN_CLIP))
-        return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no cuts: %s do (--clip)",
-                        iso_method_name((iso_method)settings->method),
-                        iso_methods_that_can(ISO_CAN_CLIP, (char[ISO_METHODS_TEXT]){0}));
-    const bool discs = settings->method == ISO_METHOD_SPLATS && !settings->gaussians;
-    const char *unfit = settings->ior > 0                             ? "--ior"
-                        : discs && isorender_is_translucent(settings) ? "translucent discs"
-                        : settings->absorption_length > 0             ? "--absorption"
-                        : settings->instances                         ? "--instances"
-                                                                      : NULL;
+    const bool layers = isorender_is_translucent(settings);
+    if (!cloud)
+        ISO_TRY(isorender_method_require(settings, layers ? ISO_CAN_CLIP_LAYERS : ISO_CAN_CLIP,
+                                         layers ? "cuts (--clip) of what is translucent" : "cuts (--clip)",
+                                         error));
+    const char *unfit = settings->ior > 0                 ? "--ior"
+                        : settings->absorption_length > 0 ? "--absorption"
+                        : settings->instances             ? "--instances"
+                                                          : NULL;
     if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--clip cannot be combined with %s", unfit);
     return ISO_OK;
 }
@@ -81,10 +80,10 @@ iso_status isorender_cuts_check_points(const isorender_job *job, iso_error *erro
                         : isorender_is_translucent(job->settings) ? "translucent discs"
                                                                   : NULL;
     if (!unfit) return ISO_OK;
-    return iso_fail(
-        error, ISO_ERR_USAGE,
-        "--clip cuts no %s: opaque discs (--method discs), Gaussians and --glyphs of the file are cut",
-        unfit);
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "--clip cuts no %s: opaque points by --method %s, Gaussians and --glyphs of the file are "
+                    "cut",
+                    unfit, iso_methods_that_can(ISO_CAN_CLOUDS | ISO_CAN_CLIP, (char[ISO_METHODS_TEXT]){0}));
 }
 
 /* The number of things that cuts can name. */

@@ -152,8 +152,7 @@ static void add_surface(isorender_job *job, iso_segmentation *s, int group) {
 /* Where the labels' surfaces are smooth. */
 static int places_of(const isorender_job *job) {
     const int inside = isorender_has_caps(job->settings) ? ISO_LABELS_INSIDE : ISO_LABELS_DRAWN;
-    const bool trilinear = job->method == ISO_METHOD_EXACT || job->method == ISO_METHOD_RAYCAST ||
-                           job->method == ISO_METHOD_MESH;
+    const bool trilinear = !(job->renderer->needs & 1u << ISO_PART_POINTS);
     const bool drawn = trilinear && !job->settings->filter && !job->settings->coloring_count;
     return inside + (drawn ? ISO_LABELS_DRAWN : ISO_LABELS_BAND);
 }

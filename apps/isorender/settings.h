@@ -269,6 +269,9 @@ bool isorender_has_reconstructions(int method);
 /* Whether the method that is chosen, with its reconstruction, can do something. One that is not chosen yet
  * can do everything. */
 bool isorender_method_can(const isorender_settings *settings, iso_capability capability);
+/* Refuses with iso_renderer_require what it cannot draw. */
+iso_status isorender_method_require(const isorender_settings *settings, unsigned capabilities,
+                                    const char *what, iso_error *error);
 /* Chooses the reconstruction when none is given, and checks that it is one of the method's and that the
  * options of splats are for splats. Replaces an older name of discs. ISO_ERR_USAGE. */
 iso_status isorender_splats_check(isorender_settings *settings, iso_error *error);
