@@ -19,6 +19,7 @@ typedef enum iso_cap_kind {
 typedef struct iso_cap_style {
     iso_cap_kind kind;
     iso_rgb color;    /* of COLOR */
+    bool is_gray;     /* by the name that a colormap has, too */
     iso_colormap map; /* of SLICE */
 } iso_cap_style;
 

@@ -104,6 +104,9 @@ typedef struct iso_operands {
 iso_status iso_options_parse(const iso_program *program, int argc, char *const *argv, void *settings,
                              iso_operands *operands, iso_error *error);
 
+/* The name of the option that is nearest to a typed one, if it is nearer than `most`; NULL: there is none. */
+const char *iso_options_nearest(const iso_program *program, const char *name, int most);
+
 /* Copies argv to `kept`, which has room for it, without the options of these names and their values.
  * Returns how many arguments are left. */
 int iso_options_without(const iso_program *program, int argc, char *const *argv, const char *const *names,

@@ -23,6 +23,7 @@
 #include "io/file_contents.h"
 #include "scene/glass.h"
 #include "scene/loader.h"
+#include "scene/segmentation.h"
 
 iso_status isorender_settings_add_object(isorender_settings *settings, iso_object_kind kind, const char *path,
                                          iso_error *error) {
@@ -198,6 +199,26 @@ static iso_status take_output(isorender_settings *settings, const iso_operands *
     return ISO_OK;
 }
 
+/* Whether something is asked for that isosurfaces of the input have, and its labels have not. */
+static bool wants_isosurface(const isorender_settings *settings) {
+    const iso_input *input = &settings->common.input;
+    return settings->isovalue_count || settings->ior > 0 || settings->parts || settings->instances ||
+           settings->ranks.mpi || settings->chunk_size || settings->absorption_length > 0 ||
+           settings->points || settings->closed || settings->slice_count || settings->keyframe_file ||
+           settings->cap.kind == ISO_CAP_SLICE || input->cropped || input->cropped_mm || input->largest ||
+           input->min_size > 0 || isorender_wants_gradients(settings);
+}
+
+/* A single input whose header names the segments that its labels are (.seg.nrrd) is drawn as --smooth draws
+ * it, unless something of isosurfaces is asked for. */
+static void take_segments(isorender_settings *settings) {
+    const bool unfit = settings->no_input || settings->scene || settings->series_of || settings->labels ||
+                       settings->smooth || settings->info || settings->input_count != 1 ||
+                       settings->common.input.has_raw || wants_isosurface(settings);
+    settings->segments = !unfit && iso_segmentation_has_segments(settings->inputs[0]);
+    settings->smooth |= settings->segments;
+}
+
 static iso_status take_operands(isorender_settings *settings, const iso_operands *operands,
                                 iso_error *error) {
     int count = operands->count;
@@ -221,6 +242,7 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     settings->inputs = settings->no_input ? files : operands->values;
     settings->input_count = settings->scene || settings->no_input ? 1 : count;
     if (settings->series_of) ISO_TRY(isorender_series_take(settings, error));
+    take_segments(settings);
     if (settings->smooth) settings->no_input = 1; /* it is read as labels */
     ISO_TRY(take_object(settings, error));
     settings->object_options.has_cloud = !settings->no_input && !settings->scene &&

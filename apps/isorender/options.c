@@ -109,8 +109,7 @@ static iso_status apply_radius(void *target, const char *value, iso_error *error
 static iso_status add_opacity(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     double opacity;
-    if (!iso_parse_fraction(value, &opacity) || !(opacity >= 0 && opacity <= 1))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not an opacity from 0 to 1", value);
+    ISO_TRY(isorender_opacity(value, &opacity, error));
     if (settings->opacity_count == ISORENDER_SURFACES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d opacities", ISORENDER_SURFACES);
     settings->opacities[settings->opacity_count++] = opacity;
@@ -311,7 +310,8 @@ static const iso_option options[] = {
      "commas: the second one belongs to the second isovalue, and so on",
      .group = SURFACE, .standard = "E5DCC8", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
     {"opacity", NULL, "A",
-     "opacity of the surface, 0 (not seen) to 1; several, separated by commas: the second one belongs to the "
+     "opacity of the surface, 0 (not seen) to 1 (or 100%); several, separated by commas: the second one "
+     "belongs to the "
      "second isovalue, and so on; the last one repeats; for the methods exact, raycast and splats (files of "
      "points). Points with a column alpha are translucent without it: below 1 it multiplies theirs, 1 makes "
      "them opaque",
@@ -400,15 +400,13 @@ static const iso_option options[] = {
      .group = SURFACE, REAL(drain, 1e-3, 1e6)},
 
     {"clip", NULL, "WHERE",
-     "cut away x<MM or x>MM (so y, z), x (below the middle; also sagittal, coronal, axial), X,Y,Z:NX,NY,NZ "
-     "(where the normal points to), camera:MM (this far into the view), box:X0,Y0,Z0,X1,Y1,Z1 or "
-     "sphere:X,Y,Z,R, in mm, LPS; ras: before it takes RAS, as NIfTI files state, keep: cuts the rest, @N,.. "
-     "behind it only certain surfaces; several cut one after the other",
+     "cut away " ISO_CUT_FORMS ", in mm, LPS; the normal points to what is cut away, camera: is so far into "
+     "the view; ras: takes RAS, as NIfTI files state, keep: cuts the rest, @ only certain surfaces; several "
+     "cut one after the other",
      .group = SURFACE, CALL(isorender_apply_clip), .flags = ISO_OPTION_REPEATABLE},
-    {"cap", NULL, "NAME",
+    {"cap", NULL, "slice|surface|COLOR|none",
      "close what --clip cuts: slice (it shows the volume; slice:COLORMAP in other colours than gray), "
-     "surface (the "
-     "surface's colour), a colour, or none",
+     "surface (the surface's colour), a colour, or none",
      .group = SURFACE, .standard = "none", CALL(isorender_apply_cap)},
     {"slice", NULL, "PLANE",
      "show a slice of the volume, with the outlines of its surfaces: at x=MM (so y, z), x (in the middle; "
@@ -422,8 +420,10 @@ static const iso_option options[] = {
      "below 0 inside; distance:FILE:ISOVALUE), depth or normal; @N,.. behind it: only certain surfaces",
      .group = SURFACE, CALL(isorender_apply_surface_color_by),
      .flags = ISO_OPTION_REPEATABLE | ISO_OPTION_READS_PART},
-    {"window", NULL, "CENTER,WIDTH", "the values that caps and slices show, from black to white",
-     .group = SURFACE, .standard = "all values", REALS(window, 2)},
+    {"window", NULL, "CENTER,WIDTH|auto",
+     "the values that caps and slices show, from black to white; auto: all but the least and the greatest 1 "
+     "%",
+     .group = SURFACE, .standard = "all values", CALL(isorender_apply_window)},
 
 #include "apps/isorender/object_options.inc"
 

@@ -525,6 +525,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (status == ISO_OK && job->backend->engine) status = upload(job, error);
     job->seconds.render += iso_clock_seconds() - start;
     if (status == ISO_OK) status = render_frames(job, &c, error);
+    if (status == ISO_OK) isorender_cuts_note_seen(job);
     iso_image_free(&c.image);
     iso_drawing_free(&c.over);
     iso_aov_free(&c.aov);

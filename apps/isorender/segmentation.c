@@ -86,6 +86,8 @@ iso_status isorender_segmentation_read(isorender_job *job, iso_error *error) {
     if (!s) return ISO_OK;
     ISO_TRY(named(job, iso_segmentation_read(s, error), error));
     const iso_volume_info *info = &s->loader.volume.info;
+    if (job->settings->segments)
+        isorender_log(job, "note: drawn as labels, since it names segments: --isovalue draws isosurfaces");
     const char *colon, *name = note_name(job, &colon);
     if (s->layered)
         isorender_log(job, "note: %s%ssegments of %d layers, numbered in the order of the file", name, colon,

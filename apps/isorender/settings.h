@@ -150,9 +150,12 @@ typedef struct isorender_settings {
     iso_cut cuts[ISO_CLIP_BODIES]; /* of --clip */
     const char *cut_texts[ISO_CLIP_BODIES];
     int cut_count;
-    iso_cap_style cap;          /* its colormap is also that of slices */
-    double window[2];           /* centre and width of the values that they show; NaN: not given */
+    iso_cap_style cap; /* its colormap is also that of slices */
+    double window[2];  /* centre and width of the values that they show; NaN: not given */
+    bool window_auto;
+    bool segments; /* `smooth` is not given, but the file names the segments that its labels are */
     iso_cut slices[ISO_SLICES]; /* of --slice */
+    const char *slice_texts[ISO_SLICES];
     int slice_count;
     int no_input; /* the picture shows only the files of --lines, --glyphs, --surface and --volume */
     isorender_object_settings objects[ISORENDER_OBJECTS]; /* the first object_options.count are used */
