@@ -14,12 +14,11 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "base/c_linkage.h"
 #include "base/parse.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* How a value is parsed, and the type of the member at `offset` in the program's settings. */
 typedef enum iso_option_kind {
@@ -167,7 +166,5 @@ int iso_program_main(int argc, char **argv, int (*run)(int argc, char **argv));
  * standard output could not be written. */
 int iso_program_finish(const iso_program *program, int status);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

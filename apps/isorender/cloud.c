@@ -1,8 +1,5 @@
 /* cloud: a file of points as the input: checks options, makes points that can be drawn, reports them. */
 
-#include <inttypes.h>
-#include <math.h>
-
 #include "apps/isorender/labels.h"
 #include "base/memory.h"
 #include "base/temporary_file.h"

@@ -1,5 +1,4 @@
 /* Instances (--instances): checks options, reads where the model is drawn, and reports what was drawn. */
-#include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
 #include "base/placement.h"
 #include "base/text.h"

@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "apps/common/page.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/backend.h"
 #include "apps/isorender/channels.h"
@@ -478,9 +477,7 @@ static iso_status check_lighting(const isorender_settings *settings, iso_error *
                         settings->occlusion != 0 ? "--occlusion" : "--shadow");
     if (settings->instances && (settings->occlusion != 0 || settings->shadow))
         return iso_fail(error, ISO_ERR_USAGE,
-                        "instances do not darken each other: %s cannot be combined with "
-                        "--instances",
-                        light);
+                        "instances do not darken each other: %s cannot be combined with --instances", light);
     char what[64];
     if (!translucent) return isorender_method_require(settings, ISO_CAN_OCCLUSION, light, error);
     snprintf(what, sizeof what, "%s beside %s", light, translucent);

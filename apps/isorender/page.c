@@ -23,9 +23,8 @@ static const char changed[] =
     "zoom orthographic fit margin mm-per-pixel view-angle camera-position "
     "camera-focal-point camera-view-up same-view method backend max-memory dpi legend";
 static const char kept[] =
-    "raw spacing grid series component level crop crop-mm channel cap opacity opacity-mode "
-    "absorption layers labels label label-table smooth lines tube-radius line-color line-opacity line-style "
-    "caps "
+    "raw spacing grid series component level crop crop-mm channel cap opacity opacity-mode absorption layers "
+    "labels label label-table smooth lines tube-radius line-color line-opacity line-style caps "
     "line-min-pixels streamlines streamline-length streamline-seed axial vectors least tensor-order color-by "
     "range colormap space every";
 /* Those that can name files, which the command names without folders. */

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "apps/common/page.h"
-#include "apps/common/template.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/colorings.h"

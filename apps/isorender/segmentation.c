@@ -29,8 +29,7 @@ iso_status isorender_segmentation_check(const isorender_settings *settings, iso_
             iso_file_same(settings->labels, settings->inputs[i]))
             return iso_fail(
                 error, ISO_ERR_USAGE,
-                "--labels %s: is the input, whose isosurface would be in the way: --smooth draws its "
-                "labels",
+                "--labels %s: is the input, whose isosurface would be in the way: --smooth draws its labels",
                 settings->labels);
     const char *unfit = !given                            ? NULL
                         : settings->ior > 0               ? "--ior"

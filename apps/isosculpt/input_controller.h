@@ -8,10 +8,9 @@
 #include "apps/isosculpt/measuring.h"
 #include "apps/isosculpt/recorded_strokes.h"
 #include "apps/isosculpt/viewport/viewport.h"
+#include "base/c_linkage.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef enum isosculpt_button {
     ISOSCULPT_BUTTON_LEFT,
@@ -182,7 +181,5 @@ isosculpt_cut_part isosculpt_controller_handle(const isosculpt_controller *contr
  * or its handle is there. */
 bool isosculpt_controller_pick(const isosculpt_controller *controller, isosculpt_pick *pick);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

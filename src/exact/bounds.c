@@ -1,7 +1,6 @@
 /* bounds: the box of the points where the surface crosses the edges of cells. Bricks and octants whose
  * crossed cells lie wholly in the box found so far are skipped, so that the points of only a few octants are
  * computed. */
-#include <math.h>
 
 #include "base/box_items.h"
 #include "exact/set.h"

@@ -2,7 +2,6 @@
  */
 #include "sculpt/session/session.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -4,15 +4,14 @@
 #ifndef ISO_SCULPT_SESSION_SESSION_H
 #define ISO_SCULPT_SESSION_SESSION_H
 
+#include "base/c_linkage.h"
 #include "sculpt/edit/edit.h"
 #include "sculpt/field/snapshot.h"
 #include "sculpt/session/history.h"
 #include "sculpt/session/journal.h"
 #include "sculpt/session/versions.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef struct iso_session iso_session;
 
@@ -70,12 +69,11 @@ iso_status iso_session_end_cut_off(iso_session *session, iso_error *error);
 iso_status iso_session_undo(iso_session *session, iso_error *error);
 iso_status iso_session_redo(iso_session *session, iso_error *error);
 
-/* Edits strokes (an event of the kinds ISO_EVENT_EDIT to ISO_EVENT_GROUP) as one step of the undo
- * history: the field becomes that of a fresh session in which the edited list of strokes is drawn. The
- * first edit of a session draws all strokes once more to find what each of them made of its cells;
- * later ones draw only the strokes that can come out differently. ISO_ERR_USAGE: there is no such
- * stroke, a bad brush, or the session began with a checkpoint; also the errors of iso_editor_touch. The
- * field is unchanged then. */
+/* Edits strokes (an event of the kinds ISO_EVENT_EDIT to ISO_EVENT_GROUP) as one step of the undo history:
+ * the field becomes that of a fresh session in which the edited list of strokes is drawn. The first edit of a
+ * session draws all strokes once more to find what each of them made of its cells; later ones draw only the
+ * strokes that can come out differently. ISO_ERR_USAGE: there is no such stroke, a bad brush, or the session
+ * began with a checkpoint; also the errors of iso_editor_touch. The field is unchanged then. */
 iso_status iso_session_edit(iso_session *session, const iso_event *event, iso_error *error);
 /* The same in three parts, of which the second takes long: any one thread may call it, which may be another
  * one if the session has `edits_aside`. Between begin and end the session is not changed by strokes, edits,
@@ -90,9 +88,8 @@ iso_status iso_session_end_edit(iso_session *session, bool keep, iso_error *erro
 unsigned iso_session_stroke_at(const iso_session *session, iso_vec3 place);
 /* Changes whenever the strokes do. */
 size_t iso_session_stroke_changes(const iso_session *session);
-/* Lists the strokes that the field is made of (zero-initialise `list`; iso_stroke_list_free). Its
- * pointers are valid until the session changes. ISO_ERR_USAGE: the session began with a checkpoint;
- * ISO_ERR_NOMEM. */
+/* Lists the strokes that the field is made of (zero-initialise `list`; iso_stroke_list_free). Its pointers
+ * are valid until the session changes. ISO_ERR_USAGE: the session began with a checkpoint; ISO_ERR_NOMEM. */
 iso_status iso_session_strokes(const iso_session *session, iso_stroke_list *list, iso_error *error);
 iso_versions_stats iso_session_edit_stats(const iso_session *session); /* all 0 before the first edit */
 
@@ -119,7 +116,5 @@ iso_status iso_session_sync(iso_session *session, iso_error *error);
 iso_status iso_session_play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
                             iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif
