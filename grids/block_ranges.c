@@ -2,7 +2,6 @@
 #include "grids/block_ranges.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "base/memory.h"
 #include "base/numbers.h"

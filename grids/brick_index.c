@@ -3,7 +3,6 @@
 #include "grids/brick_index.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "base/numbers.h"
 #include "base/primitives.h"

@@ -4,7 +4,6 @@
 
 #include <assert.h>
 #include <math.h>
-#include <string.h>
 
 #include "base/kernel_units.h"
 #include "base/numbers.h"

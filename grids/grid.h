@@ -6,12 +6,11 @@
 #ifndef ISO_GRIDS_GRID_H
 #define ISO_GRIDS_GRID_H
 
+#include "base/c_linkage.h"
 #include "grids/hgrid.h"
 #include "grids/rgrid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Exactly one of the two pointers is set. */
 typedef struct iso_grid {
@@ -74,7 +73,5 @@ iso_vec3 iso_grid_gradient(const iso_grid *grid, iso_vec3 p);
  * index, only bricks that have such voxels are read. `pool` may be NULL. */
 size_t iso_grid_count_nonfinite(const iso_grid *grid, struct iso_pool *pool);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

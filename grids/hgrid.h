@@ -13,14 +13,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "base/geometry.h"
 #include "base/primitives.h"
 #include "base/status.h"
 #include "grids/change_log.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Entries of cells without a brick. */
 enum { ISO_CELL_OUTSIDE = -1, ISO_CELL_INSIDE = -2 };
@@ -125,7 +124,5 @@ static inline float iso_hgrid_at(const iso_hgrid *grid, int x, int y, int z) {
                            brick)[((z % ISO_BRICK) * ISO_BRICK + y % ISO_BRICK) * ISO_BRICK + x % ISO_BRICK];
 }
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

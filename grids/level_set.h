@@ -1,6 +1,5 @@
 /* level_set: converts meshes, lines and grids to level sets, resizes level sets, and writes them to .vdb
- * files.
- */
+ * files. */
 #ifndef ISO_GRIDS_LEVEL_SET_H
 #define ISO_GRIDS_LEVEL_SET_H
 

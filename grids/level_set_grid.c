@@ -1,8 +1,6 @@
 /* Samples any grid as the start of a level set: cells that may contain part of the band get a brick, bricks
  * are sampled, and all values are scaled so that those beside the interface fit into the band. */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/memory.h"
 #include "grids/level_set.h"

@@ -8,7 +8,6 @@
  * changed by each triangle between the two. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/memory.h"
 #include "grids/closing/mesh_buried.h"

@@ -3,7 +3,6 @@
 #include "grids/point_solid.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "base/memory.h"
 #include "clouds/neighbours.h"

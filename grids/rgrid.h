@@ -14,15 +14,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "base/geometry.h"
 #include "base/parallel.h"
 #include "base/status.h"
 #include "grids/change_log.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 const char *iso_type_name(iso_type type); /* "uint8", "int16", "uint16", "float32" */
 
@@ -96,7 +95,5 @@ static inline float iso_rgrid_at(const iso_rgrid *grid, int x, int y, int z) {
     }
 }
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

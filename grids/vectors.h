@@ -9,12 +9,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "base/geometry.h"
 #include "base/parallel.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 enum { ISO_VECTOR_COMPONENTS = 3, ISO_TENSOR_COMPONENTS = 6 };
 
@@ -56,7 +55,5 @@ iso_status iso_vectors_measure(const iso_vectors *vectors, iso_pool *pool, iso_v
 bool iso_vectors_sample(const iso_vectors *vectors, const double index[3], const double *along,
                         double value[3]);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

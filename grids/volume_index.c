@@ -7,7 +7,6 @@
 
 #include "base/crc32c.h"
 #include "base/file.h"
-#include "base/memory.h"
 #include "base/primitives.h"
 
 static const char MAGIC[8] = {'I', 'S', 'O', 'I', 'N', 'D', 'E', 'X'};

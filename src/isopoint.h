@@ -418,11 +418,10 @@ ISO_API iso_status iso_shape_set_read_lines(const char *path, const iso_shape_se
 ISO_API iso_status iso_shape_set_read_glyphs(const char *path, const iso_shape_set_opts *opts,
                                              iso_shape_set **set, iso_error *error);
 
-/* Make a set of triangles: of arrays, whose normals are not used, or of a file: .stl .obj .ply .off .glb
- * .3mf .vtk or .vtp. Of the options color, ras and opacity count. Faces that are bent by less than 60
- * degrees are shaded smoothly. ISO_ERR_USAGE: an index without a vertex, a position that is not finite;
- * ISO_ERR_EMPTY: no triangle has an area; ISO_ERR_LIMIT: 2^32 / 3 triangles or more; of files also as
- * above. */
+/* Make a set of triangles: of arrays, whose normals are not used, or of a file: .stl .obj .ply .off .glb .3mf
+ * .vtk or .vtp. Of the options color, ras and opacity count. Faces that are bent by less than 60 degrees are
+ * shaded smoothly. ISO_ERR_USAGE: an index without a vertex, a position that is not finite; ISO_ERR_EMPTY: no
+ * triangle has an area; ISO_ERR_LIMIT: 2^32 / 3 triangles or more; of files also as above. */
 ISO_API iso_status iso_shape_set_of_mesh(const iso_mesh *mesh, const iso_shape_set_opts *opts,
                                          iso_shape_set **set, iso_error *error);
 ISO_API iso_status iso_shape_set_read_mesh(const char *path, const iso_shape_set_opts *opts,

@@ -8,6 +8,7 @@
 iso_status iso_cap_style_parse(const char *text, iso_cap_style *style, iso_error *error) {
     uint8_t rgb[3];
     style->kind = ISO_CAP_NONE;
+    style->is_gray = false;
     if (strcmp(text, "none") == 0) return ISO_OK;
     style->kind = ISO_CAP_SURFACE;
     if (strcmp(text, "surface") == 0) return ISO_OK;
@@ -19,6 +20,7 @@ iso_status iso_cap_style_parse(const char *text, iso_cap_style *style, iso_error
         return iso_fail(error, ISO_ERR_USAGE,
                         "'%s' is not slice, slice:COLORMAP (%s), surface, none or a colour", text,
                         iso_colormap_names);
+    style->is_gray = strcmp(text, "gray") == 0 || strcmp(text, "grey") == 0;
     style->color = (iso_rgb){rgb[0], rgb[1], rgb[2]};
     return ISO_OK;
 }

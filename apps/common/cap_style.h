@@ -2,12 +2,11 @@
 #ifndef ISO_APPS_COMMON_CAP_STYLE_H
 #define ISO_APPS_COMMON_CAP_STYLE_H
 
+#include "base/c_linkage.h"
 #include "base/status.h"
 #include "scene/caps.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef enum iso_cap_kind {
     ISO_CAP_NONE,
@@ -19,6 +18,7 @@ typedef enum iso_cap_kind {
 typedef struct iso_cap_style {
     iso_cap_kind kind;
     iso_rgb color;    /* of COLOR */
+    bool is_gray;     /* by the name that a colormap has, too */
     iso_colormap map; /* of SLICE */
 } iso_cap_style;
 
@@ -26,7 +26,5 @@ typedef struct iso_cap_style {
  * ISO_ERR_USAGE. */
 iso_status iso_cap_style_parse(const char *text, iso_cap_style *style, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

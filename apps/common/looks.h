@@ -4,9 +4,9 @@
 
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "base/c_linkage.h"
+
+ISO_C_BEGIN
 
 /* Names of looks, NULL-terminated; the first is "none". */
 extern const char *const iso_look_names[];
@@ -19,7 +19,5 @@ typedef struct iso_look_value {
 /* The values of all looks; *count: how many. */
 const iso_look_value *iso_look_values(size_t *count);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -230,8 +230,7 @@ static int remoteness(const char *typed, const char *name) {
     return edits <= allowed ? edits : INT_MAX;
 }
 
-/* The option with the name nearest to the typed one, if it is nearer than `most`; NULL: there is none. */
-static const char *find_nearest(const iso_program *program, const char *name, int most) {
+const char *iso_options_nearest(const iso_program *program, const char *name, int most) {
     const char *nearest = NULL;
     int best = most;
     for (size_t i = 0; i < program->option_count; i++) {
@@ -284,9 +283,9 @@ static void explain_unknown(const iso_program *program, const char *argument, ch
     if (iso_options_find(program, name, strlen(name))) /* with one dash, or in capitals */
         snprintf(hint, sizeof hint, "did you mean %s%s?", name[1] ? "--" : "-", name);
     else if (!iso_synonym_explain(program, name, hint, sizeof hint)) {
-        const char *nearest = find_nearest(program, name, 2); /* its beginning, or a letter is wrong */
+        const char *nearest = iso_options_nearest(program, name, 2); /* its beginning, or a letter is wrong */
         if (nearest || !explain_words(program, name, hint, sizeof hint)) {
-            if (!nearest) nearest = find_nearest(program, name, INT_MAX);
+            if (!nearest) nearest = iso_options_nearest(program, name, INT_MAX);
             snprintf(hint, sizeof hint, nearest ? "did you mean --%s?" : "see --help", nearest);
         }
     }
@@ -304,6 +303,16 @@ static bool is_value_of(const iso_option *option, const char *next) {
     return next && *next != '-' && option->extension && iso_text_has_extension(next, option->extension);
 }
 
+/* The value of an option is missing: it is named, or what it can be. */
+static iso_status fail_missing(const iso_option *option, iso_error *error) {
+    char names[200] = "";
+    for (size_t i = 0, used = 0; option->choices && option->choices[i] && used < sizeof names; i++)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : " is one of ",
+                                 option->choices[i]);
+    return iso_fail(error, ISO_ERR_USAGE, "option --%s needs a value: %s%s", option->name, option->value,
+                    names);
+}
+
 /* Finds the value of an option, which follows '=' or is the next argument; in this case *index is
  * advanced. */
 static iso_status find_value(const iso_option *option, int argc, char *const *argv, int *index,
@@ -315,8 +324,7 @@ static iso_status find_value(const iso_option *option, int argc, char *const *ar
     const char *next = *index + 1 < argc ? argv[*index + 1] : NULL;
     const bool optional = option->flags & ISO_OPTION_VALUE_OPTIONAL;
     if (equals || none || (optional && !is_value_of(option, next))) return ISO_OK;
-    if (!next || strncmp(next, "--", 2) == 0)
-        return iso_fail(error, ISO_ERR_USAGE, "option --%s needs a value: %s", option->name, option->value);
+    if (!next || strncmp(next, "--", 2) == 0) return fail_missing(option, error);
     *value = next;
     ++*index;
     return ISO_OK;

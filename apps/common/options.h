@@ -14,12 +14,11 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "base/c_linkage.h"
 #include "base/parse.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* How a value is parsed, and the type of the member at `offset` in the program's settings. */
 typedef enum iso_option_kind {
@@ -104,6 +103,9 @@ typedef struct iso_operands {
 iso_status iso_options_parse(const iso_program *program, int argc, char *const *argv, void *settings,
                              iso_operands *operands, iso_error *error);
 
+/* The name of the option that is nearest to a typed one, if it is nearer than `most`; NULL: there is none. */
+const char *iso_options_nearest(const iso_program *program, const char *name, int most);
+
 /* Copies argv to `kept`, which has room for it, without the options of these names and their values.
  * Returns how many arguments are left. */
 int iso_options_without(const iso_program *program, int argc, char *const *argv, const char *const *names,
@@ -164,7 +166,5 @@ int iso_program_main(int argc, char **argv, int (*run)(int argc, char **argv));
  * standard output could not be written. */
 int iso_program_finish(const iso_program *program, int status);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

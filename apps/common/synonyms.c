@@ -6,8 +6,7 @@
 
 /* words: separated by blanks. options: those that the words mean, the best one first, of which a program
  * names the ones that it has; NULL: no program has such an option. note: what is said instead of "did you
- * mean"; NULL: nothing. Of a row whose options a program does not have it says no more than "see --help".
- * */
+ * mean"; NULL: nothing. Of a row whose options a program does not have it says no more than "see --help". */
 static const struct synonym {
     const char *words, *options, *note;
 } synonyms[] = {

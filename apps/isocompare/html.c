@@ -445,8 +445,7 @@ static void put_run(const report *r, FILE *stream) {
             iso_pool_threads(r->pool), iso_pool_threads(r->pool) > 1 ? "s" : "");
     isocompare_put_amount(stream, (double)r->peak, "B");
     fputs(" at most, for all of this</dd><dt>view</dt><dd>perspective, 30° at fit, from 34° to the right of "
-          "the "
-          "front and 20° above; the others narrow that view around a spot with silhouettes in "
+          "the front and 20° above; the others narrow that view around a spot with silhouettes in "
           "sight</dd></dl>\n",
           stream);
 }

@@ -76,10 +76,8 @@ char *isocompare_make_page(const report *r) {
     stream = made ? open_memstream(&element, &size) : NULL;
     if (stream) {
         fputs("<h2>The surface, to be turned</h2>\n<p>Drawn by exact in this browser; the report holds the "
-              "voxels "
-              "that this needs.</p>\n<iframe title=\"The surface\" "
-              "style=\"width:100%;height:640px;border:1px solid "
-              "var(--line);border-radius:10px\" srcdoc=\"",
+              "voxels that this needs.</p>\n<iframe title=\"The surface\" "
+              "style=\"width:100%;height:640px;border:1px solid var(--line);border-radius:10px\" srcdoc=\"",
               stream);
         put_quoted(stream, page);
         fputs("\"></iframe>\n", stream);

@@ -70,8 +70,7 @@ static const iso_option options[] = {
      .group = IMAGES, CALL(apply_bound), .flags = ISO_OPTION_REPEATABLE},
     {"background", "background-color", "COLOR",
      "the colour, RRGGBB or a name of CSS, that means \"not covered\" in pictures without transparency, and "
-     "what transparent ones and "
-     "those of a report are laid on",
+     "what transparent ones and those of a report are laid on",
      .group = IMAGES, .standard = "FFFFFF", CALL(apply_background)},
     {"aov-a", NULL, "FILE.exr", "depth, normals and coverage of TRUTH, as isorender --aov writes them",
      .group = IMAGES, TEXT(truth_aov)},
@@ -91,8 +90,7 @@ static const iso_option options[] = {
 
     {"output", "o", "DIR",
      "folder for report.html and report.json; made when it is not there. Of surfaces a page, .html, with "
-     "both "
-     "coloured by distance; of a sheet a .html or a picture",
+     "both coloured by distance; of a sheet a .html or a picture",
      .group = REPORT, .standard = "the volume's name with -report, in the current folder; of surfaces none",
      TEXT(output), .flags = ISO_OPTION_UNRECORDED},
     {"isovalue", "isosurface iso-value", "V",

@@ -1,7 +1,6 @@
 /* plots: bar charts and the scatter plot of the report as inline SVG. Text and lines get their colours from
  * the page, by CSS class. */
 #include <math.h>
-#include <string.h>
 
 #include "apps/isocompare/report.h"
 

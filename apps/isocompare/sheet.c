@@ -1,7 +1,6 @@
 /* sheet: the command "isocompare sheet", which compares the surfaces in the files of two folders. */
 #include <dirent.h>
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -45,8 +45,7 @@ typedef iso_status isorender_enlarged(struct isorender_job *job, int frame, int 
                                       iso_image *image, iso_error *error);
 
 /* Adds what is drawn over a frame, `image`, of which it covers little. enlarge: draws what an inset shows.
- * ISO_ERR_USAGE: --legend names another
- * number of things than there are; ISO_ERR_NOMEM. */
+ * ISO_ERR_USAGE: --legend names another number of things than there are; ISO_ERR_NOMEM. */
 iso_status isorender_annotate(struct isorender_job *job, int frame, const iso_camera *camera,
                               const iso_image *image, isorender_enlarged *enlarge, iso_drawing *drawing,
                               iso_error *error);

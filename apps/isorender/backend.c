@@ -45,43 +45,42 @@ static bool needs_gl(const isorender_settings *settings) {
 static iso_status check_needs(const isorender_settings *settings, iso_error *error) {
     bool cpu = strcmp(settings->backend, "cpu") == 0;
     bool attenuated = settings->scaling == ISO_SCALING_ATTENUATED;
-    if (attenuated && (settings->method != ISO_METHOD_POINTS || cpu))
-        return iso_fail(
-            error, ISO_ERR_USAGE,
-            "--point-scaling attenuated is for --method points with OpenGL (--backend egl or osmesa)");
-    if (settings->strips && (settings->method != ISO_METHOD_MESH || cpu))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--strips is for --method mesh with OpenGL (--backend egl or osmesa)");
-    return ISO_OK;
+    const unsigned needed = attenuated ? ISO_CAN_ATTENUATED : ISO_CAN_STRIPS;
+    char who[ISO_METHODS_TEXT];
+    if (!needs_gl(settings) || (!cpu && isorender_method_can(settings, needed))) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "%s is for --method %s with OpenGL (--backend egl or osmesa)",
+                    attenuated ? "--point-scaling attenuated" : "--strips",
+                    iso_methods_that_can(needed, who));
 }
 
 iso_status isorender_backend_check(isorender_settings *settings, iso_error *error) {
     const char *name = settings->backend;
     bool gl = is_any(name, "egl", "osmesa"), needed = needs_gl(settings);
+    const bool chosen = settings->method != ISORENDER_METHOD_UNCHOSEN;
+    char who[ISO_METHODS_TEXT];
     if (!gl && !is_any(name, "auto", "cpu"))
         return iso_fail(error, ISO_ERR_BACKEND,
                         "there is no backend '%s': auto, cpu, egl or osmesa (see --list-backends)", name);
     if (gl && settings->ior > 0)
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no glass: --ior needs the cpu", name);
-    if (gl && isorender_is_translucent(settings) && settings->method != ISO_METHOD_SPLATS)
-        return iso_fail(
-            error, ISO_ERR_USAGE,
-            "--backend %s draws translucent surfaces with --method splats only: others need the cpu", name);
+    if (gl && isorender_is_translucent(settings) &&
+        !(chosen && isorender_method_can(settings, ISO_CAN_GL_LAYERS)))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--backend %s draws translucent surfaces by --method %s: others need the cpu", name,
+                        iso_methods_that_can(ISO_CAN_GL_LAYERS, who));
     if (gl && settings->group_radii == ISO_GROUP_RADII_COPIES)
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no --group-radii copies: they need the cpu",
                         name);
     if (gl && settings->cut_count)
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s cuts nothing: --clip needs the cpu", name);
-    if ((gl || needed) && settings->method == ISORENDER_METHOD_UNCHOSEN && !has_no_surface(settings))
+    if ((gl || needed) && !chosen && !has_no_surface(settings))
         settings->method = settings->strips      ? ISO_METHOD_MESH
                            : settings->instances ? ISO_METHOD_DISCS
                                                  : ISO_METHOD_POINTS;
-    if (gl && !has_gl(settings))
-        return iso_fail(
-            error, ISO_ERR_USAGE,
-            "--backend %s has the methods %s (of splats flat, ewa and groups): others need the cpu", name,
-            iso_methods_that_can(ISO_CAN_GL, (char[ISO_METHODS_TEXT]){0}));
     ISO_TRY(check_needs(settings, error));
+    if (gl && !has_gl(settings))
+        return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws by --method %s: others need the cpu", name,
+                        iso_methods_that_can(ISO_CAN_GL, who));
     bool draws = !settings->info && (!settings->no_image || settings->aov);
     if ((gl || needed) && draws && is_too_large(settings))
         return iso_fail(error, ISO_ERR_LIMIT,

@@ -33,16 +33,20 @@ static bool shows_slices_alone(const isorender_settings *settings) {
     return settings->slice_count && settings->opacity_count == 1 && settings->opacities[0] == 0;
 }
 
+enum { OBSTACLE_TEXT = ISO_METHODS_TEXT + 80 };
+
 /* The first option that chunks do not allow, and why; NULL: there is none. */
-static const char *find_obstacle(const isorender_job *job, const char **reason) {
+static const char *find_obstacle(const isorender_job *job, char reason[OBSTACLE_TEXT]) {
     const isorender_settings *settings = job->settings;
+    char keyed[OBSTACLE_TEXT], who[ISO_METHODS_TEXT];
+    snprintf(keyed, sizeof keyed, "only %s decides pixels by an order that is known beforehand",
+             iso_methods_that_can(ISO_CAN_CHUNKS, who));
     const struct {
         bool given;
         const char *option, *reason;
     } obstacles[] = {
         {settings->instances != NULL, "--instances", "an instance shows the whole surface"},
-        {!(job->renderer->can & ISO_CAN_CHUNKS), "--method",
-         "only exact and pullpush decide pixels by an order that is known beforehand"},
+        {!(job->renderer->can & ISO_CAN_CHUNKS), "--method", keyed},
         {settings->primitive != ISO_PRIMITIVE_AUTO && settings->primitive != ISO_PRIMITIVE_EDGE,
          "--primitive", "only edge points are made chunk by chunk"},
         {isorender_is_translucent(settings) && !shows_slices_alone(settings), "--opacity",
@@ -69,7 +73,7 @@ static const char *find_obstacle(const isorender_job *job, const char **reason) 
     };
     for (size_t i = 0; i < sizeof obstacles / sizeof *obstacles; i++) {
         if (!obstacles[i].given) continue;
-        *reason = obstacles[i].reason;
+        snprintf(reason, OBSTACLE_TEXT, "%s", obstacles[i].reason);
         return obstacles[i].option;
     }
     return NULL;
@@ -115,11 +119,11 @@ static int choose_side(const isorender_job *job) {
 
 iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
-    const char *reason = NULL;
+    char reason[OBSTACLE_TEXT];
     if (!is_asked_for(settings) && !is_too_large(job) && !is_mostly_absent(job)) return ISO_OK;
     if (!job->has_volume)
         return iso_fail(error, ISO_ERR_USAGE, "--part, --chunk-size and mpirun are for volumes");
-    const char *option = find_obstacle(job, &reason);
+    const char *option = find_obstacle(job, reason);
     if (option && is_asked_for(settings))
         return iso_fail(error, ISO_ERR_USAGE,
                         "%s cannot be drawn in chunks (--part, --chunk-size, mpirun): %s", option, reason);

@@ -1,8 +1,5 @@
 /* cloud: a file of points as the input: checks options, makes points that can be drawn, reports them. */
 
-#include <inttypes.h>
-#include <math.h>
-
 #include "apps/isorender/labels.h"
 #include "base/memory.h"
 #include "base/temporary_file.h"
@@ -12,9 +9,10 @@ iso_status isorender_cloud_check(const isorender_settings *settings, iso_error *
     const iso_input *input = &settings->common.input;
     if (settings->method != ISORENDER_METHOD_UNCHOSEN) {
         const iso_renderer *renderer = iso_renderer_get((iso_method)settings->method);
-        if (renderer->needs & ~(1u << ISO_PART_POINTS | 1u << ISO_PART_GROUPS))
-            return iso_fail(error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume",
-                            renderer->name);
+        if (!(renderer->can & ISO_CAN_CLOUDS))
+            return iso_fail(
+                error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume, %s do not",
+                renderer->name, iso_methods_that_can(ISO_CAN_CLOUDS, (char[ISO_METHODS_TEXT]){0}));
     }
     const char *option = settings->isovalue_count                             ? "--isovalue"
                          : settings->mesh                                     ? "--mesh"
@@ -59,11 +57,11 @@ static iso_status color(isorender_job *job, iso_error *error) {
 }
 
 /* Why the opacities of points are not drawn; NULL: they are. */
-static const char *why_opaque(const isorender_job *job) {
+static const char *why_opaque(const isorender_job *job, iso_error *reason) {
     const isorender_settings *settings = job->settings;
-    const iso_method method = job->renderer->method;
-    if (method != ISO_METHOD_SPLATS && method != ISO_METHOD_SPLATS_FLAT)
-        return "only --method splats with --reconstruction flat or groups draws them";
+    if (iso_renderer_require(job->renderer, ISO_CAN_CLOUDS | ISO_CAN_LAYERS, "--method", "them", reason) !=
+        ISO_OK)
+        return reason->text;
     if (settings->ior > 0) return "glass has one --opacity for all";
     if (isorender_light_option(settings))
         return "--shading edl, --occlusion, --shadow and --outline are of opaque surfaces";
@@ -77,9 +75,10 @@ static iso_status choose_opacities(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
     const bool made_opaque = settings->opacity_count && settings->opacities[0] >= 1;
     const char *reason = NULL;
+    iso_error denied = {ISO_OK, ""};
     job->read_points = iso_cloud_view(&job->cloud.discs);
     if (job->read_points.opacities && !made_opaque && isorender_plan_draws(job->plan))
-        reason = why_opaque(job);
+        reason = why_opaque(job, &denied);
     if (reason) isorender_log(job, "note: its points have opacities, but %s", reason);
     if (settings->ior > 0 && job->read_points.colors && isorender_plan_draws(job->plan))
         isorender_log(job,

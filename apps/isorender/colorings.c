@@ -60,21 +60,17 @@ static iso_status deal(isorender_settings *settings, int i, iso_error *error) {
 }
 
 iso_status isorender_colorings_check(isorender_settings *settings, iso_error *error) {
-    char who[ISO_METHODS_TEXT];
+    const bool translucent = isorender_is_translucent(settings);
     for (int i = 0; i < settings->coloring_count; i++) ISO_TRY(deal(settings, i, error));
     if (!settings->coloring_count) return ISO_OK;
     if (settings->object_options.has_cloud)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--surface-color-by colours isosurfaces and meshes: --color-by colours points");
-    if (settings->gaussians || !isorender_method_can(settings, ISO_CAN_COLORS))
-        return iso_fail(error, ISO_ERR_USAGE, "--method %s has no --surface-color-by: %s have it",
-                        settings->gaussians ? "gaussians" : iso_method_name((iso_method)settings->method),
-                        iso_methods_that_can(ISO_CAN_COLORS, who));
-    if (isorender_is_translucent(settings) && !isorender_method_can(settings, ISO_CAN_COLOR_LAYERS))
-        return iso_fail(
-            error, ISO_ERR_USAGE, "--method %s has no --surface-color-by of translucent surfaces: %s have it",
-            iso_method_name((iso_method)settings->method), iso_methods_that_can(ISO_CAN_COLOR_LAYERS, who));
-    const char *unfit = settings->ior > 0     ? "--ior"
+    ISO_TRY(isorender_method_require(
+        settings, translucent ? ISO_CAN_COLOR_LAYERS : ISO_CAN_COLORS,
+        translucent ? "--surface-color-by of translucent surfaces" : "--surface-color-by", error));
+    const char *unfit = settings->gaussians   ? "--method gaussians"
+                        : settings->ior > 0   ? "--ior"
                         : settings->instances ? "--instances"
                         : settings->parts     ? "--part"
                                               : NULL;
@@ -306,18 +302,15 @@ static void set_given_range(const isorender_job *job, color_source *source) {
 /* ---- paint */
 
 /* Why surfaces cannot be drawn with their paint; NULL: they can. */
-static const char *reason_against_paint(const isorender_job *job, char text[ISO_METHODS_TEXT + 100]) {
+static const char *reason_against_paint(const isorender_job *job, iso_error *denied) {
     const isorender_settings *settings = job->settings;
-    char who[ISO_METHODS_TEXT];
     const iso_capability needed = job->translucent ? ISO_CAN_COLOR_LAYERS : ISO_CAN_COLORS;
     if (settings->ior > 0) return "glass has none";
     if (settings->instances) return "--instances have none";
     if (settings->parts) return "surfaces of --part have none";
-    if (job->renderer->can & (unsigned)needed) return NULL;
-    snprintf(text, ISO_METHODS_TEXT + 100, "--method %s does not draw it%s: %s do",
-             iso_method_name(job->method), job->translucent ? " on translucent surfaces" : "",
-             iso_methods_that_can(needed, who));
-    return text;
+    const char *what = job->translucent ? "it on translucent surfaces" : "it";
+    return iso_renderer_require(job->renderer, needed, "--method", what, denied) == ISO_OK ? NULL
+                                                                                           : denied->text;
 }
 
 /* Whether the paint of a surface's file colours it, rather than --surface-color-by, or --color, which is for
@@ -329,10 +322,10 @@ static bool is_painted(const isorender_job *job, const isorender_surface *surfac
 }
 
 static void paint_surfaces(isorender_job *job) {
-    char text[ISO_METHODS_TEXT + 100];
+    iso_error denied = {ISO_OK, ""};
     bool any = false;
     for (int i = 0; i < job->surface_count; i++) any |= is_painted(job, &job->surfaces[i]);
-    const char *reason = any ? reason_against_paint(job, text) : NULL;
+    const char *reason = any ? reason_against_paint(job, &denied) : NULL;
     if (reason && !job->settings->film->first)
         isorender_log(job, "note: drawn without its paint: %s", reason);
     for (int i = 0; i < job->surface_count && !reason; i++) {

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "apps/isorender/isorender.h"
+#include "base/parse.h"
 #include "scene/bounds.h"
 
 iso_status isorender_apply_clip(void *target, const char *value, iso_error *error) {
@@ -25,7 +26,16 @@ iso_status isorender_apply_slice(void *target, const char *value, iso_error *err
     isorender_settings *settings = target;
     if (settings->slice_count == ISO_SLICES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d slices", ISO_SLICES);
+    settings->slice_texts[settings->slice_count] = value;
     return iso_cut_parse_plane(value, &settings->slices[settings->slice_count++], error);
+}
+
+iso_status isorender_apply_window(void *target, const char *value, iso_error *error) {
+    isorender_settings *settings = target;
+    settings->window_auto = strcmp(value, "auto") == 0;
+    settings->window[0] = settings->window[1] = NAN;
+    if (settings->window_auto || iso_parse_reals(value, 2, settings->window)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not CENTER,WIDTH or auto", value);
 }
 
 bool isorender_has_caps(const isorender_settings *settings) {
@@ -41,7 +51,7 @@ static iso_status check_caps(const isorender_settings *settings, iso_error *erro
     const bool shows = isorender_shows_slices(settings);
     if (settings->cap.kind != ISO_CAP_NONE && !settings->cut_count)
         return iso_fail(error, ISO_ERR_USAGE, "--cap closes what --clip cuts: it needs --clip");
-    if (!isnan(settings->window[0]) && !shows)
+    if ((!isnan(settings->window[0]) || settings->window_auto) && !shows)
         return iso_fail(error, ISO_ERR_USAGE, "--window is for --slice and --cap slice");
     if (!isnan(settings->window[0]) && !(settings->window[1] > 0))
         return iso_fail(error, ISO_ERR_USAGE, "--window: the width, %g, is not above 0", settings->window[1]);
@@ -60,16 +70,15 @@ iso_status isorender_cuts_check(const isorender_settings *settings, iso_error *e
     ISO_TRY(check_caps(settings, error));
     if (!settings->cut_count) return ISO_OK;
     const bool cloud = settings->object_options.has_cloud; /* isorender_cuts_check_points */
-    if (!cloud && !settings->gaussians && !isorender_method_can(settings, ISO_CAN_CLIP))
-        return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no cuts: %s do (--clip)",
-                        iso_method_name((iso_method)settings->method),
-                        iso_methods_that_can(ISO_CAN_CLIP, (char[ISO_METHODS_TEXT]){0}));
-    const bool discs = settings->method == ISO_METHOD_SPLATS && !settings->gaussians;
-    const char *unfit = settings->ior > 0                             ? "--ior"
-                        : discs && isorender_is_translucent(settings) ? "translucent discs"
-                        : settings->absorption_length > 0             ? "--absorption"
-                        : settings->instances                         ? "--instances"
-                                                                      : NULL;
+    const bool layers = isorender_is_translucent(settings);
+    if (!cloud)
+        ISO_TRY(isorender_method_require(settings, layers ? ISO_CAN_CLIP_LAYERS : ISO_CAN_CLIP,
+                                         layers ? "cuts (--clip) of what is translucent" : "cuts (--clip)",
+                                         error));
+    const char *unfit = settings->ior > 0                 ? "--ior"
+                        : settings->absorption_length > 0 ? "--absorption"
+                        : settings->instances             ? "--instances"
+                                                          : NULL;
     if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--clip cannot be combined with %s", unfit);
     return ISO_OK;
 }
@@ -81,10 +90,10 @@ iso_status isorender_cuts_check_points(const isorender_job *job, iso_error *erro
                         : isorender_is_translucent(job->settings) ? "translucent discs"
                                                                   : NULL;
     if (!unfit) return ISO_OK;
-    return iso_fail(
-        error, ISO_ERR_USAGE,
-        "--clip cuts no %s: opaque discs (--method discs), Gaussians and --glyphs of the file are cut",
-        unfit);
+    return iso_fail(error, ISO_ERR_USAGE,
+                    "--clip cuts no %s: opaque points by --method %s, Gaussians and --glyphs of the file are "
+                    "cut",
+                    unfit, iso_methods_that_can(ISO_CAN_CLOUDS | ISO_CAN_CLIP, (char[ISO_METHODS_TEXT]){0}));
 }
 
 /* The number of things that cuts can name. */
@@ -176,6 +185,16 @@ static double front_of(isorender_job *job, const iso_camera *camera) {
     return box.lo.z;
 }
 
+/* The bin in which the voxel after this share of them lies. */
+static int find_bin(const iso_histogram *histogram, double share) {
+    uint64_t below = 0;
+    int bin = 0;
+    while (bin < ISO_HISTOGRAM_BINS - 1 &&
+           (double)(below += histogram->bins[bin]) <= share * (double)histogram->counted)
+        bin++;
+    return bin;
+}
+
 /* Sets which values slices show: all, if --window does not say it. */
 static iso_status choose_window(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
@@ -184,8 +203,12 @@ static iso_status choose_window(isorender_job *job, iso_error *error) {
     *look = (iso_slice_look){centre - width / 2, centre + width / 2, settings->cap.map};
     if (!isnan(centre) || !job->has_volume) return ISO_OK;
     ISO_TRY(iso_loader_histogram(&job->loader, error));
-    look->low = job->loader.histogram.minimum;
-    look->high = job->loader.histogram.maximum;
+    const iso_histogram *histogram = &job->loader.histogram;
+    look->low = histogram->minimum;
+    look->high = histogram->maximum;
+    if (!settings->window_auto) return ISO_OK;
+    look->low = histogram->low + histogram->width * find_bin(histogram, 0.01);
+    look->high = histogram->low + histogram->width * (find_bin(histogram, 0.99) + 1);
     return ISO_OK;
 }
 
@@ -236,6 +259,140 @@ iso_status isorender_cuts_make(isorender_job *job, int frame, iso_error *error) 
     for (int i = 0; i < job->object_count; i++)
         job->objects[i].scene.clip = &job->clips[job->surface_count + i];
     return make_slices(job, &camera, front, error);
+}
+
+/* ---- what is said of cuts that show little */
+
+/* The corners of a box, by the bits of `which`. */
+static iso_vec3 corner_of(const iso_box *box, int which) {
+    return iso_vec3_make(which & 1 ? box->hi.x : box->lo.x, which & 2 ? box->hi.y : box->lo.y,
+                         which & 4 ? box->hi.z : box->lo.z);
+}
+
+/* How far a point lies in front of a plane, mm. */
+static double in_front(const double face[4], iso_vec3 p) {
+    return iso_vec3_dot(row(face), p) - face[3];
+}
+
+/* Whether a body surely has nothing of a box or, if it keeps what it has, all of it. */
+static bool removes_nothing(const iso_clip_body *body, const iso_box *box) {
+    bool holds = true, misses = false;
+    for (int k = 0; k < body->faces; k++) {
+        bool all_behind = true, all_in_front = true;
+        for (int i = 0; i < 8; i++) {
+            const bool front = in_front(body->face[k], corner_of(box, i)) >= 0;
+            all_behind &= !front;
+            all_in_front &= front;
+        }
+        holds &= all_behind;
+        misses |= all_in_front;
+    }
+    if (!body->faces) {
+        const iso_vec3 c = body->centre, nearest = {iso_min(iso_max(c.x, box->lo.x), box->hi.x),
+                                                    iso_min(iso_max(c.y, box->lo.y), box->hi.y),
+                                                    iso_min(iso_max(c.z, box->lo.z), box->hi.z)};
+        misses = iso_vec3_length(iso_vec3_sub(nearest, c)) >= body->radius;
+        for (int i = 0; i < 8; i++)
+            holds &= iso_vec3_length(iso_vec3_sub(corner_of(box, i), c)) < body->radius;
+    }
+    return body->keeps ? holds : misses;
+}
+
+/* The direction of --camera that looks at a plane from the side that a normal points to; NULL: at a slant. */
+static const char *direction_to(iso_vec3 normal) {
+    static const double near = 0.999; /* 2.5 degrees */
+    return normal.x < -near   ? "right"
+           : normal.x > near  ? "left"
+           : normal.y < -near ? "front"
+           : normal.y > near  ? "back"
+           : normal.z < -near ? "bottom"
+           : normal.z > near  ? "top"
+                              : NULL;
+}
+
+static void log_turn(const isorender_job *job, const char *option, const char *text, const char *seen,
+                     iso_vec3 normal) {
+    const char *direction = direction_to(normal);
+    if (direction)
+        isorender_log(job, "note: %s %s is seen %s: --camera %s looks at it", option, text, seen, direction);
+    else
+        isorender_log(job, "note: %s %s is seen %s: --azimuth and --elevation turn the view", option, text,
+                      seen);
+}
+
+/* The sine of the angle at which a camera sees the front of a plane; below 0: its back. */
+static double find_slant(const iso_camera *camera, const double plane[4]) {
+    const iso_vec3 view = iso_vec3_sub(camera->focal_point, camera->position);
+    return camera->orthographic ? -iso_vec3_dot(row(plane), iso_vec3_unit(view))
+                                : in_front(plane, camera->position) / iso_vec3_length(view);
+}
+
+/* Of the two sides of a slice the one that it is mostly looked at from: right, front or top. */
+static iso_vec3 usual_side(iso_vec3 normal) {
+    const bool lies = fabs(normal.z) > 0.5;
+    return iso_vec3_scale(normal, (lies ? normal.z : -normal.x - normal.y) < 0 ? -1 : 1);
+}
+
+static void note_slices(const isorender_job *job, const iso_camera *camera) {
+    static const double edge_on = 0.02;
+    const isorender_settings *settings = job->settings;
+    for (int i = 0; i < settings->slice_count; i++) {
+        const double *plane = job->slices[i].plane;
+        bool before = false, behind = false;
+        for (int k = 0; k < 8; k++) {
+            const double d = in_front(plane, volume_corner(job, k));
+            before |= d >= 0;
+            behind |= d <= 0;
+        }
+        if (before != behind)
+            isorender_log(job, "note: --slice %s does not meet the volume: nothing of it is seen",
+                          settings->slice_texts[i]);
+        else if (fabs(find_slant(camera, plane)) < edge_on)
+            log_turn(job, "--slice", settings->slice_texts[i], "edge-on", usual_side(row(plane)));
+    }
+}
+
+/* Says which cuts change nothing, and whether what they open is hidden behind what is left. */
+static void note_clips(const isorender_job *job, const iso_clip *all, const iso_camera *camera) {
+    const isorender_settings *settings = job->settings;
+    bool hidden = !job->translucent && all->count > 0;
+    for (int i = 0; i < all->count; i++) {
+        const iso_clip_body *body = &all->body[i];
+        const bool nothing = removes_nothing(body, &job->bounds_world);
+        if (nothing)
+            isorender_log(job,
+                          "note: --clip %s removes nothing: the picture reaches from %g,%g,%g to %g,%g,%g mm",
+                          settings->cut_texts[i], job->bounds_world.lo.x, job->bounds_world.lo.y,
+                          job->bounds_world.lo.z, job->bounds_world.hi.x, job->bounds_world.hi.y,
+                          job->bounds_world.hi.z);
+        const double slant = body->faces == 1 ? find_slant(camera, body->face[0]) : 0;
+        hidden &= !nothing && body->faces == 1 && (body->keeps ? -slant : slant) > 0;
+    }
+    if (!hidden) return;
+    const iso_clip_body *first = &all->body[0];
+    log_turn(job, "--clip", settings->cut_texts[0], "from behind",
+             iso_vec3_scale(row(first->face[0]), first->keeps ? 1 : -1));
+}
+
+void isorender_cuts_note_seen(const isorender_job *job) {
+    const isorender_settings *settings = job->settings;
+    const iso_camera camera = isorender_camera_of_frame(job, 0);
+    if (!isorender_plan_draws(job->plan) || job->frame_count > 1 || settings->film->first) return;
+    iso_cut cuts[ISO_CLIP_BODIES];
+    bool for_all = true;
+    for (int i = 0; i < settings->cut_count; i++) {
+        cuts[i] = isorender_cut_placed(job, &settings->cuts[i]);
+        for_all &= !cuts[i].things.named && !cuts[i].by_depth;
+    }
+    const iso_clip clip = iso_cuts_clip(cuts, settings->cut_count, 0, &camera, 0);
+    if (for_all) note_clips(job, &clip, &camera);
+    note_slices(job, &camera);
+    if (settings->cap.is_gray && job->has_volume)
+        isorender_log(job, "note: --cap gray is one colour: --cap slice shows the volume in grays");
+    if (isorender_shows_slices(settings) && isnan(settings->window[0]))
+        isorender_log(
+            job, "note: slices show the values from %g to %g%s", job->slice_look.low, job->slice_look.high,
+            settings->window_auto ? "" : ", which are all: --window CENTER,WIDTH or auto shows fewer");
 }
 
 /* The direction of a plane's normal, of two the one whose greatest component is positive: for messages. */

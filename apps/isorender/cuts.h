@@ -6,10 +6,11 @@
 
 struct isorender_job;
 
-/* The options --clip, --cap and --slice. */
+/* The options --clip, --cap, --slice and --window. */
 iso_status isorender_apply_clip(void *settings, const char *value, iso_error *error);
 iso_status isorender_apply_cap(void *settings, const char *value, iso_error *error);
 iso_status isorender_apply_slice(void *settings, const char *value, iso_error *error);
+iso_status isorender_apply_window(void *settings, const char *value, iso_error *error);
 /* ISO_ERR_USAGE: the method, or another option, does not go with --clip. */
 iso_status isorender_cuts_check(const isorender_settings *settings, iso_error *error);
 
@@ -25,9 +26,8 @@ bool isorender_slice_bar(const struct isorender_job *job, iso_color_bar *bar);
 /* What they are. Borrows `solids`, which is filled. */
 iso_cut_caps isorender_caps(const struct isorender_job *job, iso_capped solids[ISORENDER_SURFACES]);
 
-/* A cut or slice, with its plane in the middle of the volume, or of everything if there is none, if it is
- * to be
- * there. */
+/* A cut or slice, with its plane in the middle of the volume, or of everything if there is none, if it is to
+ * be there. */
 iso_cut isorender_cut_placed(const struct isorender_job *job, const iso_cut *cut);
 /* The box of slices that do not depend on the camera, in coordinates along three vectors. */
 iso_box isorender_slice_bounds(const struct isorender_job *job, const iso_vec3 vectors[3]);
@@ -37,6 +37,8 @@ void isorender_cuts_note(const struct isorender_job *job);
 /* Sets what is cut away of each surface in a frame, and where slices are. ISO_ERR_USAGE: --clip names a
  * thing that there is not; ISO_ERR_NOMEM. */
 iso_status isorender_cuts_make(struct isorender_job *job, int frame, iso_error *error);
+/* Says of the cuts and slices of a single picture which ones show nothing, and which values slices show. */
+void isorender_cuts_note_seen(const struct isorender_job *job);
 /* The failure of a picture that shows nothing because of --clip: ISO_ERR_EMPTY, with how far things reach.
  * ISO_OK: nothing is cut. */
 iso_status isorender_cuts_fail_empty(struct isorender_job *job, iso_error *error);

@@ -1,5 +1,4 @@
 /* The input of one run: opened, checked against the options and the memory limit, and read. */
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

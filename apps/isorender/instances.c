@@ -1,5 +1,4 @@
 /* Instances (--instances): checks options, reads where the model is drawn, and reports what was drawn. */
-#include "apps/isorender/chunks.h"
 #include "apps/isorender/isorender.h"
 #include "base/placement.h"
 #include "base/text.h"
@@ -24,11 +23,7 @@ iso_status isorender_instances_check(const isorender_job *job, iso_error *error)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--instances draws opaque surfaces of the input: it cannot be combined with %s",
                         obstacle);
-    if (job->renderer->can & ISO_CAN_INSTANCES) return ISO_OK;
-    return iso_fail(
-        error, ISO_ERR_USAGE,
-        "--instances draws discs: by --method %s, or splats (flat, onepass, ewa or mean), not by %s",
-        iso_method_name(ISO_METHOD_DISCS), job->renderer->name);
+    return iso_renderer_require(job->renderer, ISO_CAN_INSTANCES, "--method", "--instances", error);
 }
 
 iso_status isorender_instances_read(isorender_job *job, uint64_t max_memory, iso_error *error) {

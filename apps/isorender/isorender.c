@@ -1,5 +1,4 @@
 /* isorender: any volume file to a correct picture of its isosurface, in one command. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

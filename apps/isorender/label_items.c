@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/isorender/segmentation.h"
 #include "base/parse.h"
 
 enum { WORD = 256 };

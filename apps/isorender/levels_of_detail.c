@@ -10,10 +10,7 @@ iso_status isorender_detail_check(isorender_settings *settings, iso_error *error
     const bool asked = settings->lod > 0; /* NaN: not given */
     if (!asked) return ISO_OK;
     if (settings->method == ISORENDER_METHOD_UNCHOSEN) settings->method = ISO_METHOD_DISCS;
-    if (!isorender_method_can(settings, ISO_CAN_LEVELS))
-        return iso_fail(error, ISO_ERR_USAGE, "--lod is for --method %s",
-                        iso_methods_that_can(ISO_CAN_LEVELS, (char[ISO_METHODS_TEXT]){0}));
-    return ISO_OK;
+    return isorender_method_require(settings, ISO_CAN_LEVELS, "levels of detail (--lod)", error);
 }
 
 double isorender_detail_pixels(const isorender_settings *settings) {

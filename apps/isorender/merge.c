@@ -1,7 +1,6 @@
 /* isorender merge: puts the parts of a picture, as --part has drawn them, together to the picture. */
 #include "apps/isorender/merge.h"
 
-#include "apps/isorender/isorender.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "scene/keys_picture.h"

@@ -4,7 +4,6 @@
 
 #include <string.h>
 
-#include "apps/isorender/chunks.h"
 #include "base/file_identity.h"
 #include "base/memory.h"
 #include "grids/volume/module.h"
@@ -95,8 +94,7 @@ iso_status isorender_ranks_check_volume(const isorender_job *job, iso_error *err
     if (first == NUMBERS) return ISO_OK;
     if (first == CHUNKS)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "the processes of mpirun chose different chunks: --chunk-size "
-                        "gives them one");
+                        "the processes of mpirun chose different chunks: --chunk-size gives them one");
     return iso_fail(error, ISO_ERR_FORMAT, "the processes of mpirun read different volumes: their %s differ",
                     names[first]);
 }

@@ -67,12 +67,19 @@ static iso_status set_color(const char *option, const char *value, isorender_obj
                                  &object->color, error);
 }
 
+iso_status isorender_opacity(const char *value, double *opacity, iso_error *error) {
+    const bool is_number = iso_parse_fraction(value, opacity);
+    if (is_number && *opacity >= 0 && *opacity <= 1) return ISO_OK;
+    if (is_number && *opacity >= 2 && *opacity <= 100 && !strchr(value, '%'))
+        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not an opacity from 0 to 1: %s%% is %g", value, value,
+                        *opacity / 100);
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not an opacity from 0 to 1", value);
+}
+
 iso_status isorender_parse_opacity(const char *option, const char *value, double *opacity, iso_error *error) {
     double given;
     if (!value) return ISO_OK;
-    if (!iso_parse_fraction(value, &given) || !(given >= 0 && given <= 1))
-        return named(option, value,
-                     iso_fail(error, ISO_ERR_USAGE, "'%s' is not an opacity from 0 to 1", value), error);
+    if (isorender_opacity(value, &given, error) != ISO_OK) return named(option, value, ISO_ERR_USAGE, error);
     *opacity = (double)(float)given; /* as it is drawn */
     return ISO_OK;
 }

@@ -76,7 +76,9 @@ const char *isorender_value_for(const iso_texts *texts, int number);
 iso_status isorender_parse_color(const char *option, const char *value, const char *others, bool *given,
                                  iso_rgb *color, iso_error *error);
 
-/* Parses the value of an option, 0 to 1; NULL leaves *opacity as it is. ISO_ERR_USAGE. */
+/* Parses an opacity, 0 to 1 or 0% to 100%. ISO_ERR_USAGE. */
+iso_status isorender_opacity(const char *value, double *opacity, iso_error *error);
+/* The same as the value of an option; NULL leaves *opacity as it is. */
 iso_status isorender_parse_opacity(const char *option, const char *value, double *opacity, iso_error *error);
 /* ISO_ERR_USAGE: an option is given more often than there are files that it is for. objects: the options that
  * name those files, for the message. */

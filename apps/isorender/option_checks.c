@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "apps/common/page.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/backend.h"
 #include "apps/isorender/channels.h"
@@ -23,6 +22,7 @@
 #include "io/file_contents.h"
 #include "scene/glass.h"
 #include "scene/loader.h"
+#include "scene/segmentation.h"
 
 iso_status isorender_settings_add_object(isorender_settings *settings, iso_object_kind kind, const char *path,
                                          iso_error *error) {
@@ -198,6 +198,26 @@ static iso_status take_output(isorender_settings *settings, const iso_operands *
     return ISO_OK;
 }
 
+/* Whether something is asked for that isosurfaces of the input have, and its labels have not. */
+static bool wants_isosurface(const isorender_settings *settings) {
+    const iso_input *input = &settings->common.input;
+    return settings->isovalue_count || settings->ior > 0 || settings->parts || settings->instances ||
+           settings->ranks.mpi || settings->chunk_size || settings->absorption_length > 0 ||
+           settings->points || settings->closed || settings->slice_count || settings->keyframe_file ||
+           settings->cap.kind == ISO_CAP_SLICE || input->cropped || input->cropped_mm || input->largest ||
+           input->min_size > 0 || isorender_wants_gradients(settings);
+}
+
+/* A single input whose header names the segments that its labels are (.seg.nrrd) is drawn as --smooth draws
+ * it, unless something of isosurfaces is asked for. */
+static void take_segments(isorender_settings *settings) {
+    const bool unfit = settings->no_input || settings->scene || settings->series_of || settings->labels ||
+                       settings->smooth || settings->info || settings->input_count != 1 ||
+                       settings->common.input.has_raw || wants_isosurface(settings);
+    settings->segments = !unfit && iso_segmentation_has_segments(settings->inputs[0]);
+    settings->smooth |= settings->segments;
+}
+
 static iso_status take_operands(isorender_settings *settings, const iso_operands *operands,
                                 iso_error *error) {
     int count = operands->count;
@@ -221,6 +241,7 @@ static iso_status take_operands(isorender_settings *settings, const iso_operands
     settings->inputs = settings->no_input ? files : operands->values;
     settings->input_count = settings->scene || settings->no_input ? 1 : count;
     if (settings->series_of) ISO_TRY(isorender_series_take(settings, error));
+    take_segments(settings);
     if (settings->smooth) settings->no_input = 1; /* it is read as labels */
     ISO_TRY(take_object(settings, error));
     settings->object_options.has_cloud = !settings->no_input && !settings->scene &&
@@ -440,34 +461,27 @@ static iso_status check_lighting(const isorender_settings *settings, iso_error *
     const char *translucent = isorender_is_translucent(settings)          ? "--opacity below 1"
                               : isorender_object_opacity_option(settings) ? "translucent objects"
                                                                           : NULL;
-    const bool beside =
-        settings->lighting == ISO_LIGHTING_PHONG && isorender_method_can(settings, ISO_CAN_LIT_LAYERS);
-    const char *option = settings->ior > 0     ? "--ior"
-                         : settings->gaussians ? "--method gaussians"
-                         : beside              ? NULL
-                                               : translucent;
+    const bool depths = settings->lighting != ISO_LIGHTING_PHONG;
+    const char *option = settings->ior > 0                 ? "--ior"
+                         : settings->gaussians             ? "--method gaussians"
+                         : depths || settings->outline > 0 ? translucent
+                                                           : NULL;
     if (!light) return ISO_OK;
-    if (!option && translucent && settings->outline > 0) {
-        light = "--outline";
-        option = translucent;
-    }
+    if (option && option == translucent) light = depths ? "--shading edl" : "--outline";
     if (option)
         return iso_fail(error, ISO_ERR_USAGE, "%s is of opaque surfaces: it cannot be combined with %s",
                         light, option);
-    if (settings->lighting != ISO_LIGHTING_PHONG && (settings->occlusion != 0 || settings->shadow))
+    if (depths && (settings->occlusion != 0 || settings->shadow))
         return iso_fail(error, ISO_ERR_USAGE,
                         "--shading edl lights by depths alone: it cannot be combined with %s",
                         settings->occlusion != 0 ? "--occlusion" : "--shadow");
     if (settings->instances && (settings->occlusion != 0 || settings->shadow))
         return iso_fail(error, ISO_ERR_USAGE,
-                        "instances do not darken each other: %s cannot be combined with "
-                        "--instances",
-                        light);
-    if (!isorender_method_can(settings, ISO_CAN_OCCLUSION))
-        return iso_fail(error, ISO_ERR_USAGE, "--method %s has no %s: %s have",
-                        iso_method_name((iso_method)settings->method), light,
-                        iso_methods_that_can(ISO_CAN_OCCLUSION, (char[ISO_METHODS_TEXT]){0}));
-    return ISO_OK;
+                        "instances do not darken each other: %s cannot be combined with --instances", light);
+    char what[64];
+    if (!translucent) return isorender_method_require(settings, ISO_CAN_OCCLUSION, light, error);
+    snprintf(what, sizeof what, "%s beside %s", light, translucent);
+    return isorender_method_require(settings, ISO_CAN_LIT_LAYERS, what, error);
 }
 
 /* Smooth surfaces. */
@@ -477,10 +491,8 @@ static iso_status check_filter(const isorender_settings *settings, iso_error *er
                                                         : NULL;
     const char *name = iso_filter_names[settings->filter];
     if (settings->filter == ISO_FILTER_LINEAR) return ISO_OK;
-    if (!isorender_method_can(settings, ISO_CAN_SMOOTH))
-        return iso_fail(error, ISO_ERR_USAGE, "--method %s has no --reconstruction-filter %s: %s have",
-                        settings->gaussians ? "gaussians" : iso_method_name((iso_method)settings->method),
-                        name, iso_methods_that_can(ISO_CAN_SMOOTH, (char[ISO_METHODS_TEXT]){0}));
+    ISO_TRY(isorender_method_require(settings, ISO_CAN_SMOOTH, "smooth surfaces (--reconstruction-filter)",
+                                     error));
     if (option)
         return iso_fail(error, ISO_ERR_USAGE,
                         "%s is of trilinear surfaces: it cannot be combined with --reconstruction-filter %s",
@@ -503,7 +515,6 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
     const int surfaces = settings->isovalue_count ? settings->isovalue_count : 1;
     /* whether a file of points has opacities is known when it has been read */
     const bool may_be = isorender_is_translucent(settings) || settings->object_options.has_cloud;
-    char who[ISO_METHODS_TEXT];
     ISO_TRY(isorender_translucent_check(settings, may_be, error));
     if (settings->absorption_length > 0 && settings->layers)
         return iso_fail(error, ISO_ERR_USAGE,
@@ -512,10 +523,7 @@ static iso_status check_opacity(const isorender_settings *settings, iso_error *e
     if (settings->opacity_count > surfaces)
         return iso_fail(error, ISO_ERR_USAGE, "%d opacities for %d isovalue%s", settings->opacity_count,
                         surfaces, surfaces > 1 ? "s" : "");
-    if (!isorender_method_can(settings, ISO_CAN_LAYERS))
-        return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no translucent surfaces: %s do",
-                        iso_method_name((iso_method)settings->method),
-                        iso_methods_that_can(ISO_CAN_LAYERS, who));
+    ISO_TRY(isorender_method_require(settings, ISO_CAN_LAYERS, "translucent surfaces", error));
     if (settings->ior > 0) return ISO_OK;
     if (settings->mesh && !iso_mesh_file_has_opacities(settings->mesh))
         return iso_fail(error, ISO_ERR_USAGE,
@@ -558,10 +566,6 @@ static iso_status check_refraction(isorender_settings *settings, iso_error *erro
                                                                (iso_transparency)settings->transparency);
     const bool two_sided = settings->refraction == ISO_REFRACTION_TWO_SIDED,
                traced = settings->refraction == ISO_REFRACTION_TRACED;
-    if (splats && traced)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--refraction traced follows rays through a volume: --method splats has two-sided, "
-                        "layers, single and none");
     if (settings->transparency == (int)ISO_TRANSPARENCY_GROUPS)
         return iso_fail(
             error, ISO_ERR_USAGE,
@@ -578,17 +582,15 @@ static iso_status check_refraction(isorender_settings *settings, iso_error *erro
 
 static iso_status check_glass(isorender_settings *settings, iso_error *error) {
     const char *needs = option_of_glass(settings), *unfit = option_unfit_for_glass(settings);
-    char who[ISO_METHODS_TEXT];
     if (!(settings->ior > 0) && needs)
         return iso_fail(error, ISO_ERR_USAGE, "%s is for glass: it needs --ior", needs);
     if (!(settings->ior > 0)) return ISO_OK;
     if (unfit)
         return iso_fail(error, ISO_ERR_USAGE,
                         "--ior draws one surface, as glass: it cannot be combined with %s", unfit);
-    if (!isorender_method_can(settings, ISO_CAN_GLASS))
-        return iso_fail(error, ISO_ERR_USAGE, "--method %s draws no glass: %s do",
-                        iso_method_name((iso_method)settings->method),
-                        iso_methods_that_can(ISO_CAN_GLASS, who));
+    ISO_TRY(settings->refraction == (int)ISO_REFRACTION_TRACED
+                ? isorender_method_require(settings, ISO_CAN_TRACED, "--refraction traced", error)
+                : isorender_method_require(settings, ISO_CAN_GLASS, "glass (--ior)", error));
     ISO_TRY(check_refraction(settings, error));
     if (settings->attenuation_colored != (settings->attenuation_distance > 0))
         return iso_fail(error, ISO_ERR_USAGE,
@@ -605,9 +607,9 @@ static iso_status check_line_shading(const isorender_settings *settings, iso_err
     if (has_pyramid(settings)) return ISO_OK;
     for (int i = 0; i < settings->object_options.count; i++)
         if (settings->objects[i].shading == ISO_LINE_ILLUMINATED)
-            return iso_fail(
-                error, ISO_ERR_USAGE,
-                "--line-shading illuminated is for lines by pull-push: it needs --method pullpush or hybrid");
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "--line-shading illuminated is for lines by pull-push: it needs --method %s",
+                            iso_methods_that_can(ISO_CAN_PYRAMID, (char[ISO_METHODS_TEXT]){0}));
     return ISO_OK;
 }
 
@@ -643,12 +645,10 @@ static iso_status check_objects(isorender_settings *settings, iso_error *error) 
     if (opacity && (strcmp(settings->backend, "egl") == 0 || strcmp(settings->backend, "osmesa") == 0))
         return iso_fail(error, ISO_ERR_USAGE, "--backend %s draws no translucent objects: %s needs the cpu",
                         settings->backend, opacity);
-    if (opacity && !isorender_method_can(settings, ISO_CAN_OBJECT_LAYERS))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--method %s draws opaque lines, glyphs and meshes only: %s needs %s",
-                        iso_method_name((iso_method)settings->method), opacity,
-                        iso_methods_that_can(ISO_CAN_OBJECT_LAYERS, (char[ISO_METHODS_TEXT]){0}));
-    return ISO_OK;
+    if (!opacity) return ISO_OK;
+    char what[96];
+    snprintf(what, sizeof what, "translucent lines, glyphs and meshes (%s)", opacity);
+    return isorender_method_require(settings, ISO_CAN_OBJECT_LAYERS, what, error);
 }
 
 /* The command merge: its operands are files of keys. All options of the picture are in these. */

@@ -109,8 +109,7 @@ static iso_status apply_radius(void *target, const char *value, iso_error *error
 static iso_status add_opacity(void *target, const char *value, iso_error *error) {
     isorender_settings *settings = target;
     double opacity;
-    if (!iso_parse_fraction(value, &opacity) || !(opacity >= 0 && opacity <= 1))
-        return iso_fail(error, ISO_ERR_USAGE, "'%s' is not an opacity from 0 to 1", value);
+    ISO_TRY(isorender_opacity(value, &opacity, error));
     if (settings->opacity_count == ISORENDER_SURFACES)
         return iso_fail(error, ISO_ERR_USAGE, "more than %d opacities", ISORENDER_SURFACES);
     settings->opacities[settings->opacity_count++] = opacity;
@@ -301,35 +300,31 @@ static const iso_option options[] = {
 
     {"isovalue", "isosurface iso-value", "V",
      "value of the surface, in the file's physical units (of a level set: mm from its surface, above 0 "
-     "outside); "
-     "3sigma: 3 standard deviations above the mean of all finite voxels, as levels of maps are stated; "
-     "several, separated by commas, give several surfaces; auto: 0 for level sets, else Otsu's threshold of "
-     "the histogram",
+     "outside); 3sigma: 3 standard deviations above the mean of all finite voxels, as levels of maps are "
+     "stated; several, separated by commas, give several surfaces; auto: 0 for level sets, else Otsu's "
+     "threshold of the histogram",
      .group = SURFACE, .standard = "auto", CALL(apply_isovalue), .flags = ISO_OPTION_REPEATABLE},
     {"color", "colour", "COLOR",
      "colour of the surface: RRGGBB in hexadecimal or a name of CSS such as ivory; several, separated by "
      "commas: the second one belongs to the second isovalue, and so on",
      .group = SURFACE, .standard = "E5DCC8", CALL(apply_color), .flags = ISO_OPTION_REPEATABLE},
     {"opacity", NULL, "A",
-     "opacity of the surface, 0 (not seen) to 1; several, separated by commas: the second one belongs to the "
-     "second isovalue, and so on; the last one repeats; for the methods exact, raycast and splats (files of "
-     "points). Points with a column alpha are translucent without it: below 1 it multiplies theirs, 1 makes "
-     "them opaque",
+     "opacity of the surface, 0 (not seen) to 1 (or 100%); several, separated by commas: the second one "
+     "belongs to the second isovalue, and so on; the last one repeats; for the methods exact, raycast and "
+     "splats (files of points). Points with a column alpha are translucent without it: below 1 it multiplies "
+     "theirs, 1 makes them opaque",
      .group = SURFACE, .standard = "1", CALL(apply_opacity), .flags = ISO_OPTION_REPEATABLE},
     {"opacity-mode", NULL, "NAME",
      "angle: the surface is a thin slab, more opaque where it is seen at a slant, so that outlines stand "
-     "out; "
-     "constant: the same at every angle",
+     "out; constant: the same at every angle",
      .group = SURFACE, .standard = "angle", CHOICE(opacity_mode, opacity_modes)},
     {"absorption", NULL, "MM",
      "the solid of a translucent surface takes light away: after this many mm 1/e of it is left, the rest "
-     "has "
-     "the surface's colour (with --opacity 0 only the solid is seen, as in an X-ray image)",
+     "has the surface's colour (with --opacity 0 only the solid is seen, as in an X-ray image)",
      .group = SURFACE, REAL(absorption_length, 1e-6, 1e9)},
     {"layers", NULL, "N",
      "draw only the first N crossings of each translucent surface or file of lines, glyphs or triangles: 1 "
-     "is "
-     "the skin without what lies behind it",
+     "is the skin without what lies behind it",
      .group = SURFACE, .standard = "all", INT(layers, 1, 1000000)},
     {"transparency", NULL, "NAME",
      "how splats are seen through: sorted (every layer of the surface, in order), groups (a picture of each "
@@ -364,8 +359,7 @@ static const iso_option options[] = {
      REAL(attenuation_distance, 1e-6, 1e9)},
     {"primitive", NULL, "NAME",
      "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets unless they are "
-     "drawn as "
-     "curved discs or the isovalue is near the end of the narrow band, edge for the rest",
+     "drawn as curved discs or the isovalue is near the end of the narrow band, edge for the rest",
      .group = POINTS, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"radius", NULL, "MM",
@@ -379,9 +373,7 @@ static const iso_option options[] = {
 
     {"columns", NULL, "NAMES",
      "what the numbers of a file of points are, if it has no names for them or wrong ones ({rows}): x y z, "
-     "nx ny nz, red green blue, radius or any name, separated by commas; - "
-     "is "
-     "a number that is not wanted",
+     "nx ny nz, red green blue, radius or any name, separated by commas; - is a number that is not wanted",
      .group = POINTS, .standard = "the file's, or found out", TEXT(columns)},
 
 #define SOLID SURFACE
@@ -400,20 +392,17 @@ static const iso_option options[] = {
      .group = SURFACE, REAL(drain, 1e-3, 1e6)},
 
     {"clip", NULL, "WHERE",
-     "cut away x<MM or x>MM (so y, z), x (below the middle; also sagittal, coronal, axial), X,Y,Z:NX,NY,NZ "
-     "(where the normal points to), camera:MM (this far into the view), box:X0,Y0,Z0,X1,Y1,Z1 or "
-     "sphere:X,Y,Z,R, in mm, LPS; ras: before it takes RAS, as NIfTI files state, keep: cuts the rest, @N,.. "
-     "behind it only certain surfaces; several cut one after the other",
+     "cut away " ISO_CUT_FORMS ", in mm, LPS; the normal points to what is cut away, camera: is so far into "
+     "the view; ras: takes RAS, as NIfTI files state, keep: cuts the rest, @ only certain surfaces; several "
+     "cut one after the other",
      .group = SURFACE, CALL(isorender_apply_clip), .flags = ISO_OPTION_REPEATABLE},
-    {"cap", NULL, "NAME",
+    {"cap", NULL, "slice|surface|COLOR|none",
      "close what --clip cuts: slice (it shows the volume; slice:COLORMAP in other colours than gray), "
-     "surface (the "
-     "surface's colour), a colour, or none",
+     "surface (the surface's colour), a colour, or none",
      .group = SURFACE, .standard = "none", CALL(isorender_apply_cap)},
     {"slice", NULL, "PLANE",
      "show a slice of the volume, with the outlines of its surfaces: at x=MM (so y, z), x (in the middle; "
-     "also "
-     "sagittal, coronal, axial), X,Y,Z:NX,NY,NZ or camera:MM, in mm, LPS or behind ras: RAS; alone with "
+     "also sagittal, coronal, axial), X,Y,Z:NX,NY,NZ or camera:MM, in mm, LPS or behind ras: RAS; alone with "
      "--opacity 0",
      .group = SURFACE, CALL(isorender_apply_slice), .flags = ISO_OPTION_REPEATABLE},
     {"surface-color-by", NULL, "WHAT",
@@ -422,8 +411,10 @@ static const iso_option options[] = {
      "below 0 inside; distance:FILE:ISOVALUE), depth or normal; @N,.. behind it: only certain surfaces",
      .group = SURFACE, CALL(isorender_apply_surface_color_by),
      .flags = ISO_OPTION_REPEATABLE | ISO_OPTION_READS_PART},
-    {"window", NULL, "CENTER,WIDTH", "the values that caps and slices show, from black to white",
-     .group = SURFACE, .standard = "all values", REALS(window, 2)},
+    {"window", NULL, "CENTER,WIDTH|auto",
+     "the values that caps and slices show, from black to white; auto: all but the least and the greatest 1 "
+     "%",
+     .group = SURFACE, .standard = "all values", CALL(isorender_apply_window)},
 
 #include "apps/isorender/object_options.inc"
 
@@ -440,10 +431,9 @@ static const iso_option options[] = {
      "discs that follow the surface's curvature: the best picture of points), pullpush (points, and the "
      "surface between them reconstructed in an image pyramid: Marroquim et al. 2008; --lines are drawn that "
      "way, too), points (discs parallel to the picture: to see the samples themselves), splats (points as "
-     "flat discs with smooth edges: for files of points), raycast "
-     "(rays through the field, slow: to check the others), hybrid (triangles where the volume's cells are "
-     "larger than 3 pixels, points elsewhere: also of 2008) or gaussians (files of 3-D Gaussians: "
-     "translucent ellipsoids, sorted by depth)",
+     "flat discs with smooth edges: for files of points), raycast (rays through the field, slow: to check "
+     "the others), hybrid (triangles where the volume's cells are larger than 3 pixels, points elsewhere: "
+     "also of 2008) or gaussians (files of 3-D Gaussians: translucent ellipsoids, sorted by depth)",
      .group = PICTURE, .standard = "exact, for files of points splats, of 3-D Gaussians gaussians",
      CHOICE(method, method_names), .hint = "raycast follows rays, mesh draws Marching Cubes"},
     {"reconstruction", NULL, "NAME",
@@ -475,8 +465,7 @@ static const iso_option options[] = {
      "how much larger the discs of a group are with --transparency groups and nearest, so that the group "
      "covers the surface by itself: coverage (until they cover nearly the area of all discs, three times at "
      "most: eq. 7 to 9 of the paper), root (by the square root of half the number of groups) or copies (not "
-     "at "
-     "all: copies of discs of other groups fill the gaps)",
+     "at all: copies of discs of other groups fill the gaps)",
      .group = PAPERS, .standard = "coverage", CHOICE(group_radii, group_radii)},
     {"group-bins", NULL, "N",
      "bins of depth in which splats are compared (eq. 6 of the paper) instead of by their own depths",
@@ -547,8 +536,7 @@ static const iso_option options[] = {
      .group = PICTURE, INT(turntable, 1, 100000)},
     {"keyframes", NULL, "FILE",
      "pictures between which cameras, isovalues, clips and opacities change: a .json with values of options "
-     "at "
-     "certain pictures, as a scene has them",
+     "at certain pictures, as a scene has them",
      .group = PICTURE, TEXT(keyframe_file), .flags = ISO_OPTION_READS},
     {"frame-rate", NULL, "N", "pictures a second of a video ({videos}), which ffmpeg encodes",
      .group = PICTURE, .standard = "25", REAL(frame_rate, 0.01, 1000)},
@@ -556,10 +544,9 @@ static const iso_option options[] = {
 #include "apps/isorender/camera_options.inc"
     {"output", "o", "NAME",
      "the picture: a .png, .tif, .jpg, .svg or .pdf (the last two with text as text), - for a .png on "
-     "stdout; with several pictures also a video: {videos}; {model} is the input's name, {n:3} a number "
-     "with three digits; or a .html: a page in which the surface is turned and its isovalue moved, in any "
-     "browser and without a network; it holds the voxels that this needs and the input's name, so mind who "
-     "gets it",
+     "stdout; with several pictures also a video: {videos}; {model} is the input's name, {n:3} a number with "
+     "three digits; or a .html: a page in which the surface is turned and its isovalue moved, in any browser "
+     "and without a network; it holds the voxels that this needs and the input's name, so mind who gets it",
      .group = OUTPUT, .standard = "{model}.png", TEXT(output), UNRECORDED},
     {"isovalue-range", NULL, "LOW,HIGH", "the isovalues that a page can show", .group = OUTPUT,
      .standard = "the widest around --isovalue with which the page is no larger than --page-size",
@@ -572,29 +559,24 @@ static const iso_option options[] = {
      .group = OUTPUT, TEXT(points), UNRECORDED},
     {"mesh", NULL, "FILE",
      "write the Marching Cubes mesh: {meshes written}, in mm (a .glb turned and scaled to glTF's metres); "
-     "several "
-     "surfaces and labels are the objects of an .obj, .glb or .3mf",
+     "several surfaces and labels are the objects of an .obj, .glb or .3mf",
      .group = OUTPUT, TEXT(mesh), UNRECORDED},
     {"smooth-mesh", NULL, "N", "smooth what --mesh writes, N times (Taubin 1995: steps go, the volume stays)",
      .group = OUTPUT, INT(mesh_edits.smooth, 1, 10000), UNRECORDED},
     {"decimate", NULL, "PERCENT|MM",
      "join triangles of what --mesh writes, in the order of the error (meshoptimizer): until so many are "
-     "left, as "
-     "10%, or as long as the surface moves by about so many mm at most",
+     "left, as 10%, or as long as the surface moves by about so many mm at most",
      .group = OUTPUT, CALL(apply_decimate), UNRECORDED},
     {"part", NULL, "K/N",
      "draw only part K of N of the surface, into a file of keys (-o NAME.isokeys): parts may be drawn in any "
-     "order, "
-     "by any number of processes or machines; isorender merge makes of all of them the picture that one "
-     "process "
-     "would have made",
+     "order, by any number of processes or machines; isorender merge makes of all of them the picture that "
+     "one process would have made",
      .group = OUTPUT, CALL(apply_part), UNRECORDED},
     {"aov", NULL, "FILE.exr",
      "write depth Z (mm along the view), normal N.X N.Y N.Z (world, out of the solid) and coverage A of "
-     "every pixel "
-     "as OpenEXR floats: means over its covered samples; with several surfaces, lines, glyphs or meshes also "
-     "id.surface, id.element (glyph, line or triangle) and id.segment (of the line) of the nearest sample as "
-     "integers: from 1, 0 where there is none",
+     "every pixel as OpenEXR floats: means over its covered samples; with several surfaces, lines, glyphs or "
+     "meshes also id.surface, id.element (glyph, line or triangle) and id.segment (of the line) of the "
+     "nearest sample as integers: from 1, 0 where there is none",
      .group = OUTPUT, TEXT(aov), UNRECORDED},
     {"save-scene", NULL, "FILE.json",
      "write input, options and files of the picture as one JSON object, which isorender FILE.json draws "
@@ -611,8 +593,7 @@ static const iso_option options[] = {
      .group = OUTPUT, FLAG(info), UNRECORDED},
     {"json", NULL, "FILE",
      "one object with what was read, made and measured, to stdout without a FILE: of several inputs a line "
-     "each, "
-     "or files by a template",
+     "each, or files by a template",
      .group = OUTPUT, CALL(iso_settings_apply_json), .extension = ".json",
      .flags = ISO_OPTION_VALUE_OPTIONAL | ISO_OPTION_UNRECORDED},
 
@@ -633,8 +614,7 @@ static const iso_option options[] = {
      INT(chunk_size, 1, 1 << 20), UNRECORDED},
     {"no-index", NULL, NULL,
      "keep no index of a volume that is drawn in chunks: else NAME.isoindex beside its file, so that later "
-     "pictures read "
-     "only the chunks that they show",
+     "pictures read only the chunks that they show",
      .group = RUNNING, FLAG(no_index), UNRECORDED},
     {"threads", NULL, "N", "threads to use; what comes out does not depend on it", .group = RUNNING,
      .standard = "one a processor", INT(common.threads, 1, 1024), UNRECORDED},
@@ -642,10 +622,9 @@ static const iso_option options[] = {
 };
 
 static const char *const inputs_text[] = {"Volumes: {volumes} (legacy .vtk, every kind of HDF5), a DICOM "
-                                          "folder, folders of .tif or .png slices, Zarr "
-                                          "and N5 folders, .strokes, raw data with --raw, scene:NAME[:SIZE], "
-                                          "and - for stdin (the content tells the "
-                                          "format).",
+                                          "folder, folders of .tif or .png slices, Zarr and N5 folders, "
+                                          ".strokes, raw data with --raw, scene:NAME[:SIZE], and - for stdin "
+                                          "(the content tells the format).",
                                           "Points: {points}, without faces.",
                                           "Lines ({lines}) are drawn as --lines draws them, molecules and "
                                           "rows with names (.pdb, .csv) as --glyphs, faces "

@@ -23,9 +23,8 @@ static const char changed[] =
     "zoom orthographic fit margin mm-per-pixel view-angle camera-position "
     "camera-focal-point camera-view-up same-view method backend max-memory dpi legend";
 static const char kept[] =
-    "raw spacing grid series component level crop crop-mm channel cap opacity opacity-mode "
-    "absorption layers labels label label-table smooth lines tube-radius line-color line-opacity line-style "
-    "caps "
+    "raw spacing grid series component level crop crop-mm channel cap opacity opacity-mode absorption layers "
+    "labels label label-table smooth lines tube-radius line-color line-opacity line-style caps "
     "line-min-pixels streamlines streamline-length streamline-seed axial vectors least tensor-order color-by "
     "range colormap space every";
 /* Those that can name files, which the command names without folders. */
@@ -64,6 +63,7 @@ static iso_status check_clip(const isorender_settings *settings, iso_error *erro
 
 static iso_status check_page(const isorender_settings *settings, iso_error *error) {
     const char *page = settings->output;
+    char who[ISO_METHODS_TEXT];
     if ((settings->no_input && !has_labels(settings) && !settings->object_options.count) ||
         settings->object_options.has_cloud)
         return iso_fail(error, ISO_ERR_USAGE, "%s: a page shows isosurfaces of a volume, labels and lines",
@@ -74,13 +74,14 @@ static iso_status check_page(const isorender_settings *settings, iso_error *erro
             return iso_fail(
                 error, ISO_ERR_USAGE,
                 "%s: a page has no --%s: it shows isosurfaces of one volume, labels and lines, drawn "
-                "by --method exact (a .png can have it)",
-                page, name);
+                "by --method %s (a .png can have it)",
+                page, name, iso_methods_that_can(ISO_CAN_PAGE, who));
     }
     if (settings->volume_count || settings->channel_count > 1)
         return iso_fail(error, ISO_ERR_USAGE, "%s: a page shows one volume, or one channel of it", page);
-    if (settings->method != ISORENDER_METHOD_UNCHOSEN && settings->method != ISO_METHOD_EXACT)
-        return iso_fail(error, ISO_ERR_USAGE, "%s: a page is drawn by --method exact", page);
+    if (!isorender_method_can(settings, ISO_CAN_PAGE))
+        return iso_fail(error, ISO_ERR_USAGE, "%s: a page is drawn by --method %s", page,
+                        iso_methods_that_can(ISO_CAN_PAGE, who));
     if (settings->transparent)
         return iso_fail(error, ISO_ERR_USAGE, "%s: the background of a page has a colour", page);
     if (settings->isovalue_count > ISO_PAGE_SURFACES)

@@ -41,6 +41,19 @@ static iso_status split(const char *text, const char *option, list *l, iso_error
     }
 }
 
+/* The value of --panels is no option with values. unknown: its name is that of none. */
+static iso_status fail_form(const char *text, size_t length, bool unknown, iso_error *error) {
+    char name[32], hint[64] = "";
+    snprintf(name, sizeof name, "%.*s", (int)length, text);
+    const char *nearest = unknown ? iso_options_nearest(isorender_program(), name, 3) : NULL;
+    if (nearest) snprintf(hint, sizeof hint, ": did you mean %s=?", nearest);
+    return iso_fail(
+        error, ISO_ERR_USAGE,
+        "option --panels: '%.60s' is not WHAT=A,B,.., with WHAT isovalue, camera, label, time or any other "
+        "option%s",
+        text, hint);
+}
+
 /* The option that --panels changes. */
 static iso_status find_option(const isorender_settings *settings, const iso_option **option,
                               const char **values, iso_error *error) {
@@ -55,12 +68,11 @@ static iso_status find_option(const isorender_settings *settings, const iso_opti
             error, ISO_ERR_USAGE,
             "option --panels: pictures of several files: the first is the input, --panel-file names "
             "each of the others");
-    if (!*option || !equals || !**values)
-        return iso_fail(
-            error, ISO_ERR_USAGE,
-            "option --panels: '%.60s' is not WHAT=A,B,.., with WHAT isovalue, camera, label, time or "
-            "any other option",
-            text);
+    if (*option && equals && !**values && strcmp((*option)->name, "isovalue") == 0)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "option --panels: '%.60s' has no values: --info suggests some, as 'isovalue=300,700'",
+                        text);
+    if (!*option || !equals || !**values) return fail_form(text, length, !*option, error);
     if ((*option)->flags & ISO_OPTION_UNRECORDED || !(*option)->value ||
         strncmp((*option)->name, "panel", 5) == 0 || strcmp((*option)->name, "resolution") == 0)
         return iso_fail(error, ISO_ERR_USAGE, "option --panels: --%s does not make pictures that differ",

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "apps/common/page.h"
-#include "apps/common/template.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/colorings.h"
@@ -525,6 +524,7 @@ iso_status isorender_render(isorender_job *job, iso_error *error) {
     if (status == ISO_OK && job->backend->engine) status = upload(job, error);
     job->seconds.render += iso_clock_seconds() - start;
     if (status == ISO_OK) status = render_frames(job, &c, error);
+    if (status == ISO_OK) isorender_cuts_note_seen(job);
     iso_image_free(&c.image);
     iso_drawing_free(&c.over);
     iso_aov_free(&c.aov);

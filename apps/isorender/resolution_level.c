@@ -1,6 +1,5 @@
 /* --level auto: chooses the level of a multiscale image for a picture. */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "apps/isorender/resolution_level.h"

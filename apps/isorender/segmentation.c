@@ -29,8 +29,7 @@ iso_status isorender_segmentation_check(const isorender_settings *settings, iso_
             iso_file_same(settings->labels, settings->inputs[i]))
             return iso_fail(
                 error, ISO_ERR_USAGE,
-                "--labels %s: is the input, whose isosurface would be in the way: --smooth draws its "
-                "labels",
+                "--labels %s: is the input, whose isosurface would be in the way: --smooth draws its labels",
                 settings->labels);
     const char *unfit = !given                            ? NULL
                         : settings->ior > 0               ? "--ior"
@@ -86,6 +85,8 @@ iso_status isorender_segmentation_read(isorender_job *job, iso_error *error) {
     if (!s) return ISO_OK;
     ISO_TRY(named(job, iso_segmentation_read(s, error), error));
     const iso_volume_info *info = &s->loader.volume.info;
+    if (job->settings->segments)
+        isorender_log(job, "note: drawn as labels, since it names segments: --isovalue draws isosurfaces");
     const char *colon, *name = note_name(job, &colon);
     if (s->layered)
         isorender_log(job, "note: %s%ssegments of %d layers, numbered in the order of the file", name, colon,
@@ -152,8 +153,7 @@ static void add_surface(isorender_job *job, iso_segmentation *s, int group) {
 /* Where the labels' surfaces are smooth. */
 static int places_of(const isorender_job *job) {
     const int inside = isorender_has_caps(job->settings) ? ISO_LABELS_INSIDE : ISO_LABELS_DRAWN;
-    const bool trilinear = job->method == ISO_METHOD_EXACT || job->method == ISO_METHOD_RAYCAST ||
-                           job->method == ISO_METHOD_MESH;
+    const bool trilinear = !(job->renderer->needs & 1u << ISO_PART_POINTS);
     const bool drawn = trilinear && !job->settings->filter && !job->settings->coloring_count;
     return inside + (drawn ? ISO_LABELS_DRAWN : ISO_LABELS_BAND);
 }

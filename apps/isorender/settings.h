@@ -150,9 +150,12 @@ typedef struct isorender_settings {
     iso_cut cuts[ISO_CLIP_BODIES]; /* of --clip */
     const char *cut_texts[ISO_CLIP_BODIES];
     int cut_count;
-    iso_cap_style cap;          /* its colormap is also that of slices */
-    double window[2];           /* centre and width of the values that they show; NaN: not given */
+    iso_cap_style cap; /* its colormap is also that of slices */
+    double window[2];  /* centre and width of the values that they show; NaN: not given */
+    bool window_auto;
+    bool segments; /* `smooth` is not given, but the file names the segments that its labels are */
     iso_cut slices[ISO_SLICES]; /* of --slice */
+    const char *slice_texts[ISO_SLICES];
     int slice_count;
     int no_input; /* the picture shows only the files of --lines, --glyphs, --surface and --volume */
     isorender_object_settings objects[ISORENDER_OBJECTS]; /* the first object_options.count are used */
@@ -269,6 +272,9 @@ bool isorender_has_reconstructions(int method);
 /* Whether the method that is chosen, with its reconstruction, can do something. One that is not chosen yet
  * can do everything. */
 bool isorender_method_can(const isorender_settings *settings, iso_capability capability);
+/* Refuses with iso_renderer_require what it cannot draw. */
+iso_status isorender_method_require(const isorender_settings *settings, unsigned capabilities,
+                                    const char *what, iso_error *error);
 /* Chooses the reconstruction when none is given, and checks that it is one of the method's and that the
  * options of splats are for splats. Replaces an older name of discs. ISO_ERR_USAGE. */
 iso_status isorender_splats_check(isorender_settings *settings, iso_error *error);

@@ -8,11 +8,9 @@
 #include "apps/common/contact_sheet.h"
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/keyframes.h"
-#include "apps/isorender/mpi_ranks.h"
 #include "apps/isorender/panels.h"
 #include "base/file_identity.h"
 #include "base/memory.h"
-#include "scene/distances.h"
 
 /* ---- options */
 

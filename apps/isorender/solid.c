@@ -1,7 +1,6 @@
 /* The solid: small parts dropped (--largest, --min-size), closed at the volume's border (--closed); and the
  * measures of its mesh. */
 #include <inttypes.h>
-#include <math.h>
 
 #include "apps/common/json_parts.h"
 #include "apps/isorender/isorender.h"

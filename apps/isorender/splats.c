@@ -16,15 +16,16 @@ static const char *given_option(const isorender_settings *settings) {
 /* --transparency, and options of translucent surfaces that splats do not have. */
 static iso_status check_transparency(const isorender_settings *settings, iso_error *error) {
     const bool sorted = settings->transparency == (int)ISO_TRANSPARENCY_SORTED;
-    if (!sorted && settings->method != ISO_METHOD_SPLATS)
-        return iso_fail(error, ISO_ERR_USAGE, "--transparency is for --method splats with --opacity below 1");
+    char what[64];
+    snprintf(what, sizeof what, "--transparency %s",
+             settings->transparency == (int)ISO_TRANSPARENCY_GROUPS ? "groups" : "nearest");
+    if (!sorted) ISO_TRY(isorender_method_require(settings, ISO_CAN_GROUPS, what, error));
     if (sorted && settings->group_radii)
         return iso_fail(error, ISO_ERR_USAGE, "--group-radii is for --transparency groups and nearest");
     if (!sorted && settings->layers)
         return iso_fail(error, ISO_ERR_USAGE, "--layers needs --transparency sorted");
-    if (settings->method == ISO_METHOD_SPLATS && settings->absorption_length > 0)
-        return iso_fail(error, ISO_ERR_USAGE, "--method splats knows no solids: --absorption is for %s",
-                        iso_methods_that_can(ISO_CAN_ABSORPTION, (char[ISO_METHODS_TEXT]){0}));
+    if (settings->absorption_length > 0)
+        return isorender_method_require(settings, ISO_CAN_ABSORPTION, "--absorption", error);
     return ISO_OK;
 }
 
@@ -32,11 +33,7 @@ static iso_status check_selection(const isorender_settings *settings, iso_error 
     if (settings->selection == (int)ISO_SELECTION_AUTO) return ISO_OK;
     if (isorender_is_translucent(settings))
         return iso_fail(error, ISO_ERR_USAGE, "--selection is for opaque surfaces");
-    if (!isorender_method_can(settings, ISO_CAN_SELECTION))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--selection is for --method discs, and for --method splats --reconstruction flat, "
-                        "onepass, ewa or mean");
-    return ISO_OK;
+    return isorender_method_require(settings, ISO_CAN_SELECTION, "with --selection", error);
 }
 
 bool isorender_has_reconstructions(int method) {
@@ -64,19 +61,24 @@ bool isorender_method_can(const isorender_settings *settings, iso_capability cap
            (renderer && renderer->can & (unsigned)capability);
 }
 
+iso_status isorender_method_require(const isorender_settings *settings, unsigned capabilities,
+                                    const char *what, iso_error *error) {
+    const iso_renderer *renderer = renderer_of(settings);
+    return renderer ? iso_renderer_require(renderer, capabilities, "--method", what, error) : ISO_OK;
+}
+
 static iso_status check_reconstruction(const isorender_settings *settings, iso_error *error) {
     const int chosen = settings->reconstruction;
-    const bool flat = chosen == (int)ISO_RECONSTRUCTION_FLAT,
-               of_splats = chosen >= (int)ISO_RECONSTRUCTION_FLAT;
+    const bool of_splats = chosen >= (int)ISO_RECONSTRUCTION_FLAT;
+    const char *name = isorender_reconstruction_name(settings, false);
     char list[ISO_METHODS_TEXT];
     if (isorender_has_reconstructions(settings->method) && !renderer_of(settings))
         return iso_fail(error, ISO_ERR_USAGE, "--method %s has --reconstruction %s",
                         iso_method_name((iso_method)settings->method),
                         iso_method_reconstructions((iso_method)settings->method, list));
     if (!isorender_has_reconstructions(settings->method) && of_splats)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--reconstruction flat, onepass, ewa, mean and groups are for --method splats%s",
-                        flat ? " (flat for discs, too)" : "");
+        return iso_fail(error, ISO_ERR_USAGE, "--reconstruction %s is for --method %s", name,
+                        iso_methods_with_reconstruction(name, list));
     return ISO_OK;
 }
 
@@ -91,22 +93,11 @@ iso_status isorender_splats_check(isorender_settings *settings, iso_error *error
     if (settings->reconstruction == ISORENDER_RECONSTRUCTION_UNCHOSEN)
         settings->reconstruction = usual_reconstruction(settings);
     ISO_TRY(check_reconstruction(settings, error));
-    const bool groups = settings->reconstruction == ISORENDER_RECONSTRUCTION_GROUPS;
-    if (option && !groups)
-        return iso_fail(error, ISO_ERR_USAGE, "%s is for --method splats --reconstruction groups", option);
-    if (groups && settings->lod > 0)
-        return iso_fail(error, ISO_ERR_USAGE, "--reconstruction groups has no levels of detail (--lod)");
+    if (option && !(renderer_of(settings) && isorender_method_can(settings, ISO_CAN_GROUPS)))
+        return iso_fail(error, ISO_ERR_USAGE, "%s is for --method %s", option,
+                        iso_methods_that_can(ISO_CAN_GROUPS, (char[ISO_METHODS_TEXT]){0}));
     ISO_TRY(check_transparency(settings, error));
-    ISO_TRY(check_selection(settings, error));
-    if ((isorender_is_translucent(settings) || settings->ior > 0) && settings->method == ISO_METHOD_SPLATS &&
-        !groups && settings->reconstruction != (int)ISO_RECONSTRUCTION_FLAT)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--reconstruction onepass, ewa and mean draw opaque points: %s needs flat or groups",
-                        settings->ior > 0 ? "--ior" : "--opacity below 1");
-    if (settings->transparency != (int)ISO_TRANSPARENCY_SORTED && !groups)
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "--transparency groups and nearest need --reconstruction groups");
-    return ISO_OK;
+    return check_selection(settings, error);
 }
 
 bool isorender_uses_groups(const isorender_job *job) {

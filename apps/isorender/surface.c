@@ -1,6 +1,5 @@
 /* Isovalues and the surfaces they give: points, meshes, ray casters, their counts and bounds, their files. */
 #include <math.h>
-#include <string.h>
 
 #include "apps/isorender/channels.h"
 #include "apps/isorender/chunks.h"

@@ -3,7 +3,6 @@
 #include "apps/isorender/watch.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <time.h>

@@ -12,12 +12,11 @@
 #include <sys/types.h>
 
 #include "apps/isosculpt/stroke_editor.h"
+#include "base/c_linkage.h"
 #include "sculpt/session/session.h"
 #include "source/source.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 enum { ISOSCULPT_PATH = ISO_JOURNAL_TEXT }; /* bytes of a path, with its end */
 enum { ISOSCULPT_LOOK = 1024 };             /* bytes of the text of a look, with its end (look.h) */
@@ -110,7 +109,5 @@ void isosculpt_document_close(isosculpt_document *document);
  * unclosed, so that its recovery is offered again. */
 void isosculpt_document_discard(isosculpt_document *document);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -9,10 +9,9 @@
 #include "apps/isosculpt/path_handles.h"
 #include "apps/isosculpt/recorded_strokes.h"
 #include "apps/isosculpt/viewport/viewport.h"
+#include "base/c_linkage.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef enum isosculpt_button {
     ISOSCULPT_BUTTON_LEFT,
@@ -197,7 +196,5 @@ bool isosculpt_controller_is_drawing(const isosculpt_controller *controller);
  * or a handle is there. */
 bool isosculpt_controller_pick(isosculpt_controller *controller, isosculpt_pick *pick);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

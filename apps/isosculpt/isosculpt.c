@@ -1,5 +1,4 @@
 /* isosculpt: sculpts a signed distance field in a window, or replays stroke files without one. */
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "apps/isosculpt/isosculpt.h"

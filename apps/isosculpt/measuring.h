@@ -4,11 +4,10 @@
 #define ISO_APPS_ISOSCULPT_MEASURING_H
 
 #include "apps/common/json.h"
+#include "base/c_linkage.h"
 #include "scene/measure.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* In the window: zero-initialise. */
 typedef struct isosculpt_measuring {
@@ -53,7 +52,5 @@ void isosculpt_put_measured(iso_json *json, const isosculpt_measured *measured);
 /* Calls `tell` with a line for the solid, and one for each place. */
 void isosculpt_tell_measured(const isosculpt_measured *measured, void (*tell)(const char *line));
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -8,8 +8,7 @@
 static iso_status fail(const char *text, const char *why, iso_error *error) {
     return iso_fail(
         error, ISO_ERR_USAGE,
-        "'%s': %s; sphere:80, box:60x40x20,round=4, capsule:20x60, cylinder:40x60 and torus:80x16 "
-        "are known",
+        "'%s': %s; sphere:80, box:60x40x20,round=4, capsule:20x60, cylinder:40x60 and torus:80x16 are known",
         text, why);
 }
 

@@ -73,8 +73,7 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_FLAG, AT(recover)},
     {"new", NULL, "SOLID:SIZE",
      "begin with a solid around the origin: sphere:80, box:60x40x20 (mm), capsule:20x60, cylinder:40x60, "
-     "torus:80x16 "
-     "(across and along z); the edges of box and cylinder can be rounded (,round=4)",
+     "torus:80x16 (across and along z); the edges of box and cylinder can be rounded (,round=4)",
      .group = SESSION, .kind = ISO_OPTION_CALL, .apply = apply_new, .standard = "sphere:80"},
     {"replay", NULL, "FILE", "play a stroke file", .group = SESSION, .kind = ISO_OPTION_TEXT, AT(replay)},
     {"edit", NULL, "STROKES:KEY=VALUE,...",
@@ -154,8 +153,7 @@ static const iso_option options[] = {
      .group = OUTPUT, .kind = ISO_OPTION_TEXT, AT(save_strokes)},
     {"measure", NULL, "PLACES",
      "say volume, area and size; of each place (X/Y/Z,X/Y/Z, mm) the nearest one of the surface, how thick "
-     "the solid is "
-     "there along the inward normal, and how far it is from the place before (--json: measured)",
+     "the solid is there along the inward normal, and how far it is from the place before (--json: measured)",
      .group = OUTPUT, .kind = ISO_OPTION_CALL, .apply = apply_measure, .flags = ISO_OPTION_VALUE_OPTIONAL},
     {"video", NULL, "FILE",
      "write a video ({videos}) of the strokes as they are drawn, those that are left and in their order; "
@@ -180,24 +178,19 @@ static const iso_option options[] = {
      .kind = ISO_OPTION_CALL, .apply = apply_resolution, .standard = "1280x800"},
     {"backend", "rendering-backend", "NAME",
      "what draws in the window: cpu, or gl (OpenGL: points, discs, pullpush and mesh, and exact as a mesh "
-     "while it "
-     "moves); "
-     "auto is gl where a GPU does it; the panel changes it",
+     "while it moves); auto is gl where a GPU does it; the panel changes it",
      .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(backend), .choices = backends, .standard = "auto"},
     {"x-ray", NULL, "NAME",
      "show the surface as it was when the session began, translucent: over the sculpture, or under it, where "
-     "it "
-     "lies in front; in a window, which can change it, or with --draw",
+     "it lies in front; in a window, which can change it, or with --draw",
      .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(x_ray), .choices = x_rays, .standard = "off"},
     {"reference", NULL, "FILE",
      "show this with the sculpture instead: lines ({lines}), glyphs ({glyphs}) or a surface (a level set or "
-     "a "
-     "mesh, translucent); in a window or with --draw; R and --x-ray as above",
+     "a mesh, translucent); in a window or with --draw; R and --x-ray as above",
      .group = RUNNING, .kind = ISO_OPTION_TEXTS, AT(references)},
     {"space", NULL, "NAME",
      "the axes of --reference: ras (to the right, to the front, up), lps or file (as it says; lps when it "
-     "does "
-     "not)",
+     "does not)",
      .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(space), .choices = spaces, .standard = "file"},
     {"scale", NULL, "F", "size of text and panel in the window: 2 is twice as large", .group = RUNNING,
      .kind = ISO_OPTION_REAL, AT(scale), .standard = "the screen's", .low = 0.5, .high = 4},

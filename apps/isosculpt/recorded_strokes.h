@@ -5,11 +5,10 @@
 
 #include <stddef.h>
 
+#include "base/c_linkage.h"
 #include "sculpt/brush/brush.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef struct isosculpt_stroke {
     iso_brush brush;
@@ -31,7 +30,5 @@ iso_status isosculpt_strokes_add(isosculpt_strokes *strokes, const iso_sample *s
 void isosculpt_strokes_remove_last(isosculpt_strokes *strokes); /* does nothing when there is none */
 void isosculpt_strokes_free(isosculpt_strokes *strokes);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -9,7 +9,6 @@
 #include "apps/common/json.h"
 #include "apps/common/json_parts.h"
 #include "apps/common/progress_bar.h"
-#include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
 #include "apps/isosculpt/reference_file.h"
 #include "apps/isosculpt/save.h"

@@ -4,10 +4,9 @@
 #define ISO_APPS_ISOSCULPT_SAVE_H
 
 #include "apps/isosculpt/document.h"
+#include "base/c_linkage.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Whether a sculpture can be saved with this extension. */
 bool isosculpt_can_save_as(const char *path);
@@ -64,7 +63,5 @@ isosculpt_save_state isosculpt_document_poll_save(isosculpt_document *document, 
 /* One line that says how many edges of the written mesh are open, why, and that --closed caps them. */
 void isosculpt_mesh_open_note(size_t open_edges, char *text, size_t size);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -5,11 +5,10 @@
 #define ISO_APPS_ISOSCULPT_STROKE_EDITOR_H
 
 #include "apps/isosculpt/task.h"
+#include "base/c_linkage.h"
 #include "sculpt/session/session.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Zero-initialise; isosculpt_stroke_editor_free before the session is destroyed. */
 typedef struct isosculpt_stroke_editor {
@@ -89,7 +88,5 @@ iso_status isosculpt_stroke_editor_start(isosculpt_stroke_editor *editor, iso_se
 iso_brush isosculpt_brush_shown(const iso_brush *brush);
 iso_brush isosculpt_brush_drawn(const iso_brush *brush);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

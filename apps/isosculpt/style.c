@@ -2,7 +2,6 @@
 #include "apps/isosculpt/style.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "apps/common/coloring_settings.h"

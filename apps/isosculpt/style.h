@@ -4,10 +4,9 @@
 #define ISO_APPS_ISOSCULPT_STYLE_H
 
 #include "apps/isosculpt/viewport/viewport.h"
+#include "base/c_linkage.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Whether the option is one that isosculpt_style_set takes. */
 bool isosculpt_style_has(const char *option);
@@ -18,7 +17,5 @@ bool isosculpt_style_has(const char *option);
 iso_status isosculpt_style_set(isosculpt_viewport *viewport, const char *option, const char *value,
                                iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -2,11 +2,10 @@
 #ifndef ISO_APPS_ISOSCULPT_TASK_H
 #define ISO_APPS_ISOSCULPT_TASK_H
 
+#include "base/c_linkage.h"
 #include "base/progress.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef struct isosculpt_task isosculpt_task;
 
@@ -29,7 +28,5 @@ void isosculpt_task_cancel(isosculpt_task *task);
 /* Waits until the work is done, frees the task and returns the result of the work. */
 iso_status isosculpt_task_finish(isosculpt_task *task, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

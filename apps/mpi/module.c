@@ -1,5 +1,4 @@
 /* The module libisopoint-mpi.so: the functions of iso_message_passing (base/mpi_ranks.h) by MPI. */
-#include <limits.h>
 #include <mpi.h>
 
 #include "grids/volume/module.h"

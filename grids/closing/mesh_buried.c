@@ -4,7 +4,6 @@
 #include "grids/closing/mesh_buried.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"

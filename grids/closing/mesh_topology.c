@@ -2,7 +2,6 @@
  * half-edges connect triangles into pieces, and walks along open edges find the loops that bound holes. */
 #include "grids/closing/mesh_topology.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -3,7 +3,6 @@
 #include "grids/labels/label_fields.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"

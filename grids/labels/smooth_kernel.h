@@ -1,9 +1,8 @@
 /* smooth_kernel: the loops of label smoothing: which rows are needed, distances to the voxels of a mask,
- * separable Gaussian filters, and what is kept of them. Every instruction set gives the same bits.
- * Rows are read and written in whole vectors: all arrays have ISO_LABEL_SLACK more items than are used, and
- * the values of up to so many items behind the last result of a row are lost, which those of the next row
- * replace. A set of voxels of a row is a word of 64 bits, the first voxel lowest.
- * Internal to grids/labels. */
+ * separable Gaussian filters, and what is kept of them. Every instruction set gives the same bits. Rows are
+ * read and written in whole vectors: all arrays have ISO_LABEL_SLACK more items than are used, and the values
+ * of up to so many items behind the last result of a row are lost, which those of the next row replace. A set
+ * of voxels of a row is a word of 64 bits, the first voxel lowest. Internal to grids/labels. */
 #ifndef ISO_GRIDS_LABELS_SMOOTH_KERNEL_H
 #define ISO_GRIDS_LABELS_SMOOTH_KERNEL_H
 

@@ -3,9 +3,7 @@
 
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
-#include "base/memory.h"
 #include "grids/brick_index.h"
 #include "grids/level_set.h"
 #include "grids/threshold.h"

@@ -3,7 +3,6 @@
 #include "grids/parts/component_runs.h"
 #include "base/disjoint_sets.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "grids/parts/component_mask.h"

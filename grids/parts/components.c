@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <stdbool.h>
-#include <string.h>
 
 #include "grids/brick_index.h"
 #include "grids/parts/component_runs.h"

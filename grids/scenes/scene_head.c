@@ -7,7 +7,6 @@
  * plane's foot, projected back along the gradient, taken only when that is nearer. Since the walk starts at
  * the globally nearest sample, it ends at the nearest of several foot points also where the relief is finer
  * than the band is wide. */
-#include <string.h>
 
 #include "base/memory.h"
 #include "grids/scenes/scene_parts.h"

@@ -1,5 +1,4 @@
 /* refined: the spline's samples at half the voxel spacing, near the surface. */
-#include <math.h>
 #include <string.h>
 
 #include "base/kernel_units.h"

@@ -26,11 +26,10 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "base/c_linkage.h"
 #include "grids/volume/volume.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 struct iso_tiled;
 
@@ -282,7 +281,5 @@ uint64_t iso_format_size(const int dims[3], uint64_t each);
 /* Reads on behind the next end of line, or to the end of the file. */
 void iso_format_skip_line(FILE *file);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

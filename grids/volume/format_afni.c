@@ -4,7 +4,6 @@
  * IJK_TO_DICOM_REAL counts, which can be oblique; old files have an orientation, an origin and steps
  * alone. */
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>

@@ -10,7 +10,6 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/geometry.h"
 #include "grids/volume/format.h"
 
 enum { MAX_LINES = 1000 };

@@ -1,6 +1,5 @@
 /* format_none: entries without functions for formats whose library is not built in; volume.c reports "built
- * without
- * ..." for these. */
+ * without ..." for these. */
 #include <stddef.h>
 
 #include "grids/volume/format.h"

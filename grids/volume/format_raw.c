@@ -99,8 +99,7 @@ iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_er
     if (!find_type(type, (size_t)(type_end - type), &result))
         return iso_fail(
             error, ISO_ERR_USAGE,
-            "raw layout '%s': the type must be uint8, int8, uint16, int16, uint32, int32, float32 or "
-            "float64",
+            "raw layout '%s': the type must be uint8, int8, uint16, int16, uint32, int32, float32 or float64",
             text);
     const char *endian = *type_end ? type_end + 1 : type_end, *endian_end = strchrnul(endian, ':');
     size_t length = (size_t)(endian_end - endian);

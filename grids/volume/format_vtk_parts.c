@@ -3,7 +3,6 @@
  * read: FILE.vtm:/BLOCK, or FILE.vtm:/BLOCK/ARRAY.
  *
  * A piece's extent has its ghost points, which lie over those of its neighbours. */
-#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>

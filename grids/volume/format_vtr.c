@@ -1,6 +1,4 @@
 /* format_vtr: rectilinear grids in VTK's XML format, of one piece. The file is mapped while it is read. */
-#include <limits.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"

@@ -3,9 +3,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-
-#include "base/file.h"
 
 typedef struct image_stack {
     const iso_image_codec *codec;

@@ -15,15 +15,14 @@
 
 #include <stdio.h>
 
+#include "base/c_linkage.h"
 #include "base/mpi_ranks.h"
 #include "grids/level_set.h"
 #include "grids/volume/dicom/dicom.h"
 #include "grids/volume/format.h"
 #include "grids/volume/remote/remote.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Increase this if a type that modules share with the library changes between two releases. */
 #define ISO_MODULE_ABI 15
@@ -90,7 +89,5 @@ typedef struct iso_module {
 iso_status iso_module_load(const char *path, const char *name, const char *library, const iso_module **module,
                            iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

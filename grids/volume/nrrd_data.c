@@ -5,7 +5,6 @@
  * name is as long as the system allows at most. Where a byte skip says that the array ends with a compressed
  * stream, the stream is unpacked twice. */
 #include <errno.h>
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>

@@ -3,7 +3,6 @@
 #include "grids/volume/rewrite.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <zlib.h>

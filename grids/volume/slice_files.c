@@ -9,7 +9,6 @@
 #include <sys/stat.h>
 
 #include "base/file_types.h"
-#include "base/memory.h"
 
 static bool is_slice_name(const char *name, iso_slice_kind kind) {
     static const iso_file_type types[] = {ISO_FILE_tiff, ISO_FILE_png, ISO_FILE_jpeg};

@@ -2,7 +2,6 @@
  */
 #include "grids/volume/tiled.h"
 
-#include <math.h>
 #include <stdatomic.h>
 #include <string.h>
 #include <sys/mman.h>

@@ -8,11 +8,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* How the leaves of a tree store their voxels. */
 typedef enum iso_vdb_leaf { ISO_VDB_VALUES, ISO_VDB_BOOLS, ISO_VDB_MASK } iso_vdb_leaf;
@@ -42,7 +41,5 @@ iso_status iso_vdb_check(const char *path, const iso_vdb_layout *layout, iso_err
 iso_status iso_vdb_count(const char *path, const iso_vdb_layout *layout, iso_vdb_nodes *nodes,
                          iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -25,6 +25,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "base/c_linkage.h"
 #include "base/file_set.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -32,13 +33,10 @@
 #include "grids/grid.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
-/* Parses WxHxD:TYPE[:ENDIAN[:OFFSET]]. TYPE is uint8, int8, uint16, int16, uint32, int32, float32 (float)
- * or float64 (double), ENDIAN little or big; the last two may be empty. ISO_ERR_USAGE says what is wrong.
- * */
+/* Parses WxHxD:TYPE[:ENDIAN[:OFFSET]]. TYPE is uint8, int8, uint16, int16, uint32, int32, float32 (float) or
+ * float64 (double), ENDIAN little or big; the last two may be empty. ISO_ERR_USAGE says what is wrong. */
 iso_status iso_raw_layout_parse(const char *text, iso_raw_layout *layout, iso_error *error);
 
 /* Finds the layout in the name of a file, such as tooth_103x94x161_uint8.raw: WxHxD, and before or after
@@ -175,7 +173,5 @@ __attribute__((format(printf, 2, 3)))
 #endif
 void iso_volume_note(iso_volume_info *info, const char *format, ...);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

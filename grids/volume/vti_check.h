@@ -10,11 +10,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef enum iso_vti_encoding { ISO_VTI_TEXT, ISO_VTI_BASE64, ISO_VTI_RAW } iso_vti_encoding;
 
@@ -42,7 +41,5 @@ bool iso_vti_covered(const int box[6], const int *boxes, size_t count);
  * ISO_ERR_IO. */
 iso_status iso_vti_check_markup(const char *path, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -2,7 +2,6 @@
 #include "api/internal.h"
 #include "base/memory.h"
 #include "extract/lines/mesh_lines.h"
-#include "io/mesh/mesh_read.h"
 
 /* Takes the arrays of lines, which then are world coordinates without an origin. */
 static iso_line_arrays take_lines(iso_lines *lines) {

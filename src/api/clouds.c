@@ -1,12 +1,10 @@
 /* The functions of isopoint_clouds.h: points of arrays or of files as surfaces without a volume. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "api/internal.h"
 #include "base/memory.h"
 #include "io/glyphs/glyphs_read.h"
-#include "scene/bounds.h"
 
 /* ---- copies of arrays */
 

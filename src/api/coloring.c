@@ -36,17 +36,13 @@ static iso_status check(iso_surface *const *surfaces, int surface_count, const i
 
 iso_status iso_api_colorings_check(iso_surface *const *surfaces, int surface_count,
                                    const iso_render_opts *opts, const iso_renderer *renderer,
-                                   bool translucent, iso_error *error) {
-    char who[ISO_METHODS_TEXT];
-    const iso_capability wanted = translucent ? ISO_CAN_COLOR_LAYERS : ISO_CAN_COLORS;
+                                   iso_error *error) {
     if (!opts->color_by_count) return ISO_OK;
     if (opts->color_by_count < 0 || !opts->color_by)
         return iso_fail(error, ISO_ERR_USAGE, "color_by: %d of them", opts->color_by_count);
     if (opts->glass || opts->instances)
         return iso_fail(error, ISO_ERR_USAGE, "glass and instances are not coloured by data");
-    if (!(renderer->can & (unsigned)wanted))
-        return iso_fail(error, ISO_ERR_USAGE, "the method %s does not colour %ssurfaces by data: %s do",
-                        renderer->name, translucent ? "translucent " : "", iso_methods_that_can(wanted, who));
+    ISO_TRY(iso_renderer_require(renderer, ISO_CAN_COLORS, "the method", "surfaces coloured by data", error));
     for (int i = 0; i < opts->color_by_count; i++)
         ISO_TRY(check(surfaces, surface_count, &opts->color_by[i], i, error));
     return ISO_OK;

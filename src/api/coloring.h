@@ -20,10 +20,10 @@ typedef struct iso_api_colorings {
     iso_coloring *paint;
 } iso_api_colorings;
 
-/* ISO_ERR_USAGE: something that cannot be. translucent: a surface is. */
+/* ISO_ERR_USAGE: something that cannot be. */
 iso_status iso_api_colorings_check(iso_surface *const *surfaces, int surface_count,
                                    const iso_render_opts *opts, const iso_renderer *renderer,
-                                   bool translucent, iso_error *error);
+                                   iso_error *error);
 
 /* The surfaces of a picture, how they are drawn, and their own colours. */
 typedef struct iso_api_colored {

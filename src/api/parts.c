@@ -34,9 +34,9 @@ static iso_status check_opts(const iso_keys_opts *opts, iso_error *error) {
             return iso_fail(error, ISO_ERR_USAGE, "a whole of %d voxels on axis %d", opts->dims[axis], axis);
     if (opts->transform && iso_transform_is_singular(opts->transform))
         return iso_fail(error, ISO_ERR_USAGE, "spacing and direction of the whole do not span the space");
-    if (opts->method != ISO_METHOD_EXACT && opts->method != ISO_METHOD_PULLPUSH_BOX &&
-        opts->method != ISO_METHOD_PULLPUSH)
-        return iso_fail(error, ISO_ERR_USAGE, "parts are drawn by exact, pullpush and pullpush-box only");
+    const iso_renderer *renderer = iso_renderer_get(opts->method);
+    if (!renderer) return iso_fail(error, ISO_ERR_USAGE, "there is no method %d", (int)opts->method);
+    ISO_TRY(iso_renderer_require(renderer, ISO_CAN_CHUNKS, "the method", "parts of a picture", error));
     if (opts->width < 0 || opts->height < 0 || opts->width > ISO_IMAGE_MAX || opts->height > ISO_IMAGE_MAX)
         return iso_fail(error, ISO_ERR_USAGE, "a picture of %d x %d pixels: sides are 1 to %d", opts->width,
                         opts->height, ISO_IMAGE_MAX);

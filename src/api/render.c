@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "api/coloring.h"
 #include "api/internal.h"
@@ -227,6 +226,10 @@ static iso_status check_clouds(iso_surface *const *surfaces, int count, const is
     return ISO_OK;
 }
 
+static iso_status require(iso_method method, unsigned capabilities, const char *what, iso_error *error) {
+    return iso_renderer_require(iso_renderer_get(method), capabilities, "the method", what, error);
+}
+
 static iso_status check(iso_surface *const *surfaces, int count, const iso_render_opts *opts,
                         iso_error *error) {
     const int shapes = opts->shapes_count;
@@ -248,24 +251,18 @@ static iso_status check(iso_surface *const *surfaces, int count, const iso_rende
                 iso_primitive_name(surfaces[i]->scene.primitive));
     if ((int)opts->transparency < 0 || opts->transparency >= ISO_TRANSPARENCIES)
         return iso_fail(error, ISO_ERR_USAGE, "there is no transparency %d", (int)opts->transparency);
-    if (opts->transparency && (opts->method != ISO_METHOD_SPLATS || opts->glass))
+    if (opts->transparency)
+        ISO_TRY(require(opts->method, ISO_CAN_GROUPS, "by the transparencies GROUPS and NEAREST", error));
+    if (opts->transparency && opts->glass)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "the transparencies GROUPS and NEAREST are for translucent surfaces by SPLATS");
-    if (opts->instances && !iso_method_can(opts->method, ISO_CAN_INSTANCES))
-        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no instances: those that draw discs do",
-                        iso_renderer_get(opts->method)->name);
+                        "the transparencies GROUPS and NEAREST are for translucent surfaces, not for glass");
+    if (opts->instances) ISO_TRY(require(opts->method, ISO_CAN_INSTANCES, "instances", error));
     if (!(opts->lod >= 0 && opts->lod <= 1000))
         return iso_fail(error, ISO_ERR_USAGE, "lod %g is not from 0 to 1000", opts->lod);
-    if (opts->lod > 0 && !iso_method_can(opts->method, ISO_CAN_LEVELS))
-        return iso_fail(error, ISO_ERR_USAGE, "the method %s has no levels of detail: %s have",
-                        iso_renderer_get(opts->method)->name,
-                        iso_methods_that_can(ISO_CAN_LEVELS, (char[ISO_METHODS_TEXT]){0}));
+    if (opts->lod > 0) ISO_TRY(require(opts->method, ISO_CAN_LEVELS, "levels of detail", error));
     if ((int)opts->filter < 0 || opts->filter > ISO_FILTER_INTERPOLATING)
         return iso_fail(error, ISO_ERR_USAGE, "there is no filter %d", (int)opts->filter);
-    if (opts->filter && !iso_method_can(opts->method, ISO_CAN_SMOOTH))
-        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no smooth surfaces: %s do",
-                        iso_renderer_get(opts->method)->name,
-                        iso_methods_that_can(ISO_CAN_SMOOTH, (char[ISO_METHODS_TEXT]){0}));
+    if (opts->filter) ISO_TRY(require(opts->method, ISO_CAN_SMOOTH, "smooth surfaces", error));
     if (opts->filter && (opts->glass || opts->cap))
         return iso_fail(error, ISO_ERR_USAGE, "glass and caps are of trilinear surfaces");
     ISO_TRY(check_clouds(surfaces, count, opts, error));
@@ -291,28 +288,36 @@ static void set_up(rendering *r, const iso_render_opts *opts) {
                                     .aov = opts->aov};
 }
 
+/* Refuses translucent surfaces that the method does not draw as the options ask. */
+static iso_status require_layers(const iso_render_opts *o, iso_error *error) {
+    const bool absorb = o->absorption_length > 0, cut = o->clip_count > 0, colored = o->color_by_count > 0,
+               lit = o->occlusion != 0 || o->shadow;
+    const unsigned needed = ISO_CAN_LAYERS | (absorb ? ISO_CAN_ABSORPTION : 0u) |
+                            (cut ? ISO_CAN_CLIP_LAYERS : 0u) | (colored ? ISO_CAN_COLOR_LAYERS : 0u) |
+                            (lit ? ISO_CAN_LIT_LAYERS : 0u);
+    char what[128];
+    snprintf(what, sizeof what, "translucent surfaces%s%s%s%s", absorb ? " that absorb light" : "",
+             cut ? ", cut" : "", colored ? ", coloured by data" : "", lit ? ", with occlusion" : "");
+    return require(o->method, needed, what, error);
+}
+
 static iso_status check_layers(const rendering *r, const iso_render_opts *opts, iso_error *error) {
     const bool absorbs = opts->absorption_length > 0;
-    char who[ISO_METHODS_TEXT];
+    const iso_method method = opts->method;
     if (!(opts->absorption_length >= 0) || !isfinite(opts->absorption_length) || opts->most_layers < 0)
         return iso_fail(error, ISO_ERR_USAGE, "an absorption length of %g mm, %d layers",
                         opts->absorption_length, opts->most_layers);
     if (absorbs && opts->most_layers)
         return iso_fail(error, ISO_ERR_USAGE,
                         "most_layers leaves out where rays leave the solid, which absorption must know");
-    if (r->translucent_shapes && !(r->renderer->can & ISO_CAN_OBJECT_LAYERS))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "the method %s draws no translucent lines and glyphs: exact does", r->renderer->name);
+    if (r->translucent_shapes)
+        ISO_TRY(require(method, ISO_CAN_OBJECT_LAYERS, "translucent lines and glyphs", error));
     if (r->translucent && opts->instances)
         return iso_fail(error, ISO_ERR_USAGE, "instances are opaque: nothing translucent can be beside them");
-    if (r->translucent && !(r->renderer->can & ISO_CAN_LAYERS))
-        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no translucent surfaces: %s do",
-                        r->renderer->name, iso_methods_that_can(ISO_CAN_LAYERS, who));
+    if (r->translucent) ISO_TRY(require_layers(opts, error));
     if (r->translucent && opts->lod > 0)
         return iso_fail(error, ISO_ERR_USAGE, "levels of detail are of opaque surfaces");
-    if (absorbs && !(r->renderer->can & ISO_CAN_ABSORPTION))
-        return iso_fail(error, ISO_ERR_USAGE, "splats know no solids: absorption is for %s",
-                        iso_methods_that_can(ISO_CAN_ABSORPTION, who));
+    if (absorbs) ISO_TRY(require(method, ISO_CAN_ABSORPTION, "solids that absorb light", error));
     for (int i = 1; i < r->count && r->translucent && absorbs; i++)
         if (r->surfaces[i]->volume != r->surfaces[0]->volume)
             return iso_fail(error, ISO_ERR_USAGE, "absorption is for surfaces of one volume");
@@ -372,9 +377,7 @@ static iso_status set_up_glass(rendering *r, iso_error *error) {
     if (r->count != 1 || r->shapes_count || r->translucent || r->opts->instances)
         return iso_fail(error, ISO_ERR_USAGE,
                         "glass is drawn alone: one opaque surface, no shapes or instances");
-    if (!(r->renderer->can & ISO_CAN_GLASS))
-        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no glass: %s do", r->renderer->name,
-                        iso_methods_that_can(ISO_CAN_GLASS, (char[ISO_METHODS_TEXT]){0}));
+    ISO_TRY(require(r->opts->method, ISO_CAN_GLASS, "glass", error));
     if (!(glass->ior >= 1 && glass->ior <= 10))
         return iso_fail(error, ISO_ERR_USAGE, "index of refraction %g is not in 1 .. 10", glass->ior);
     if ((int)glass->refraction < 0 || glass->refraction >= ISO_REFRACTIONS)
@@ -418,11 +421,7 @@ static iso_status set_up_cuts(rendering *r, iso_error *error) {
         return iso_fail(error, ISO_ERR_USAGE, "cap_values %g and %g are not in ascending order",
                         o->cap_values[0], o->cap_values[1]);
     if (!o->clip_count) return ISO_OK;
-    if (!(r->renderer->can & ISO_CAN_CLIP))
-        return iso_fail(error, ISO_ERR_USAGE, "the method %s draws no cuts: %s do", r->renderer->name,
-                        iso_methods_that_can(ISO_CAN_CLIP, (char[ISO_METHODS_TEXT]){0}));
-    if (r->translucent && iso_method_is_splats(r->renderer->method))
-        return iso_fail(error, ISO_ERR_USAGE, "translucent discs are not cut");
+    ISO_TRY(require(o->method, ISO_CAN_CLIP, "cuts", error));
     if (o->glass || o->instances || o->absorption_length > 0)
         return iso_fail(error, ISO_ERR_USAGE, "glass, instances and what absorbs light are not cut");
     for (int i = 0; i < o->clip_count; i++) {
@@ -492,17 +491,12 @@ static iso_status set_up_light(rendering *r, const iso_render_opts *opts, iso_er
                         opts->occlusion, opts->outline);
     r->picture.outline = opts->outline;
     if (opts->occlusion == 0 && !opts->shadow && opts->outline == 0) return ISO_OK;
-    const bool beside = r->renderer->can & ISO_CAN_LIT_LAYERS && opts->outline == 0;
-    if ((r->translucent && !beside) || opts->glass)
+    if ((r->translucent && opts->outline > 0) || opts->glass)
         return iso_fail(error, ISO_ERR_USAGE, "occlusion, shadows and outlines are of opaque surfaces%s",
-                        opts->glass ? "" : ": beside translucent ones exact and raycast have the first two");
+                        opts->glass ? "" : ": beside translucent ones there are the first two");
     if (opts->instances && (opts->occlusion != 0 || opts->shadow))
         return iso_fail(error, ISO_ERR_USAGE, "instances do not darken each other");
-    if (!(r->renderer->can & ISO_CAN_OCCLUSION))
-        return iso_fail(error, ISO_ERR_USAGE, "the method %s has no occlusion, shadows and outlines: %s have",
-                        r->renderer->name,
-                        iso_methods_that_can(ISO_CAN_OCCLUSION, (char[ISO_METHODS_TEXT]){0}));
-    return ISO_OK;
+    return require(opts->method, ISO_CAN_OCCLUSION, "occlusion, shadows and outlines", error);
 }
 
 static iso_status draw_picture(rendering *r, iso_image *image, size_t *covered, iso_error *error) {
@@ -582,7 +576,7 @@ static iso_status render_with(rendering *r, iso_image *image, iso_error *error) 
     ISO_TRY(set_up_layers(r, opts, error));
     ISO_TRY(set_up_glass(r, error));
     ISO_TRY(set_up_light(r, opts, error));
-    ISO_TRY(iso_api_colorings_check(r->surfaces, r->count, opts, r->renderer, r->translucent, error));
+    ISO_TRY(iso_api_colorings_check(r->surfaces, r->count, opts, r->renderer, error));
     iso_status status = set_up_cuts(r, error);
     if (status == ISO_OK) {
         begin_watch(r);

@@ -31,16 +31,13 @@ static inline float iso_exp2(float x) {
     return (series * part + 1) * power;
 }
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "base/c_linkage.h"
+
+ISO_C_BEGIN
 
 /* Returns the logarithm to base 2 of a positive normal number. The error is below about 1e-15, absolute for
  * results up to 1 and relative for larger ones. */
 double iso_log2(double x);
 
-#ifdef __cplusplus
-}
-#endif
-
+ISO_C_END
 #endif

@@ -16,11 +16,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/c_linkage.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Whether a path is a URL, which is read from a server. */
 static inline bool iso_is_url(const char *path) {
@@ -101,7 +100,5 @@ bool iso_file_same(const char *a, const char *b);
  * and does nothing then. */
 void iso_sink_abort(iso_sink *sink);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

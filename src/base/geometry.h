@@ -10,12 +10,11 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/c_linkage.h"
 #include "base/status.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 static inline iso_vec3 iso_vec3_make(double x, double y, double z) {
     iso_vec3 v = {x, y, z};
@@ -110,7 +109,5 @@ double iso_tan(double angle);
 /* The angle of the vector (x, y) from the x axis, -pi .. pi; error below 1e-11; 0 for the zero vector. */
 double iso_atan2(double y, double x);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

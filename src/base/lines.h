@@ -7,12 +7,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "base/geometry.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* A named column of numbers: `components` floats for each vertex, glyph or line, as `per_line` says. */
 typedef struct iso_attribute {
@@ -66,7 +65,5 @@ size_t iso_lines_segment_count(const iso_lines *lines);
  * is seen, but not more than a 300th of the diagonal of the bounds. Above 0. */
 double iso_lines_usual_radius(const iso_lines *lines);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

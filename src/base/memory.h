@@ -10,11 +10,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 #define ISO_ALIGNMENT 64
 
@@ -93,7 +92,5 @@ uint64_t iso_memory_limit(uint64_t asked);
 /* Largest resident size of this process so far, in bytes. */
 uint64_t iso_memory_peak(void);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

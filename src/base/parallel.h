@@ -8,11 +8,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/c_linkage.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef struct iso_pool iso_pool;
 
@@ -72,7 +71,5 @@ size_t iso_ordered_slots(const iso_pool *pool);
  * iso_parallel_until. */
 void iso_parallel_ordered(iso_pool *pool, size_t count, const iso_ordered *steps, void *context);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

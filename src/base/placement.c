@@ -1,8 +1,6 @@
 /* placement: rotations, scales and positions of instances. */
 #include "base/placement.h"
 
-#include <string.h>
-
 static const double FARTHEST = 1e12, LEAST_SCALE = 1e-9, MOST_SCALE = 1e9; /* mm; factors */
 
 iso_status iso_placement_check(const iso_placement *placement, iso_error *error) {

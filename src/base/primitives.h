@@ -11,12 +11,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "base/geometry.h"
 #include "base/point_numbers.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 enum { ISO_BRICK_VOXELS = ISO_BRICK * ISO_BRICK * ISO_BRICK };
 
@@ -196,7 +195,5 @@ size_t iso_mesh_view_triangle_count(const iso_mesh_view *view);
 /* Box of all vertices in index coordinates. */
 iso_box iso_mesh_view_bounds(const iso_mesh_view *view);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

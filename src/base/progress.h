@@ -5,12 +5,11 @@
 
 #include <stdbool.h>
 
+#include "base/c_linkage.h"
 #include "base/status.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* The caller's function for progress, and the part of the whole operation that is being done: from `from` to
  * `to`, both between 0 and 1 (both 0: the whole). `tell` must be thread-safe if it is passed to a function
@@ -32,7 +31,5 @@ iso_status iso_progress_tell(const iso_progress *progress, const char *name, dou
 /* Returns whether the operation is to be cancelled: asks the caller's function, with the fraction -1. */
 bool iso_progress_cancelled(const iso_progress *progress);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

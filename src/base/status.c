@@ -1,8 +1,6 @@
 /* status: names and exit statuses of iso_status, and error messages. */
 #include "base/status.h"
 
-#include <stdio.h>
-
 #include "base/text.h"
 
 const char *iso_status_text(iso_status status) {

@@ -6,12 +6,11 @@
 #ifndef ISO_BASE_STATUS_H
 #define ISO_BASE_STATUS_H
 
+#include "base/c_linkage.h"
 #include "isopoint.h"
 #include <stdarg.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* The list of all iso_status: X(name, exit status of the programs, text). */
 #define ISO_STATUS_MAP(X)                                                                                    \
@@ -47,7 +46,5 @@ iso_status iso_fail_memory(iso_error *error, const char *name);
         if (iso_try_status_ != ISO_OK) return iso_try_status_;                                               \
     } while (0)
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -68,16 +68,6 @@ iso_status iso_study_draw(const iso_scene_surface *surface, const iso_renderer *
 /* Returns the frame as an input of iso_compare, which borrows it. */
 iso_compare_picture iso_study_picture(const iso_study_frame *frame);
 
-/* Shades a frame with float channels into unrounded colours, width * height * 3 display values 0 .. 255, for
- * errors smaller than the step of a byte: Phong's model with one light at the eye (ambient 0.15, diffuse 0.8,
- * specular 0.3 with exponent 40), both sides lit, with the look's colour and background. */
-void iso_study_shade(const iso_study_frame *frame, const iso_view *view, const iso_study_look *look,
-                     float *color);
-
-/* The mean |difference| of R, G and B, 0 .. 255, of two frames over the union of their silhouettes; NaN when
- * both are empty. The frames must have float channels. */
-double iso_study_change(const iso_study_frame *a, const iso_study_frame *b);
-
 /* Returns the median of times or of other values, the mean of the two in the middle when their number is
  * even; NaN without values. Sorts the values. */
 double iso_study_median(double *values, size_t count);

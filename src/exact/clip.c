@@ -1,5 +1,4 @@
 /* clip: the bodies that cut an octant, and which of its cells they cut or cut away; in double precision. */
-#include <math.h>
 
 #include "exact/kernel.h"
 

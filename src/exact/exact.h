@@ -12,6 +12,7 @@
 #ifndef ISO_EXACT_EXACT_H
 #define ISO_EXACT_EXACT_H
 
+#include "base/c_linkage.h"
 #include "base/parallel.h"
 #include "grids/grid.h"
 #include "grids/grid_chunk.h"
@@ -20,9 +21,7 @@
 #include "render/shading/shading.h"
 #include "render/view/key_image.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef struct iso_exact_opts {
     double isovalue; /* physical (grids/grid.h): of a level set, mm */
@@ -103,7 +102,5 @@ typedef struct iso_exact_picture {
 iso_status iso_paint_exact(const iso_exact_picture *picture, const iso_exact *exact, size_t *covered,
                            iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

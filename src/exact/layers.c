@@ -3,7 +3,6 @@
 #include "exact/layers.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "base/kernel_units.h"
 #include "base/memory.h"

@@ -3,10 +3,7 @@
 #include "exact/projection.h"
 
 #include <float.h>
-#include <limits.h>
 #include <math.h>
-
-#include "grids/threshold.h"
 
 /* ---- the projection */
 

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "image/font.h"
 #include "image/placing.h"
@@ -251,8 +250,7 @@ typedef struct bar_ticks {
 } bar_ticks;
 
 /* Sets *t to at most `most` and, but for that, at least 3 ticks in low .. high. False: there are none,
- * because
- * the numbers are equal, or nearly. */
+ * because the numbers are equal, or nearly. */
 static bool make_ticks(double low, double high, int most, bar_ticks *t) {
     static const double steps[] = {1, 2, 2.5, 5};
     const double size = high - low, greatest = fmax(fabs(low), fabs(high));
@@ -551,8 +549,7 @@ static void draw_kind(const pen *p, const iso_annotation *a, iso_annotation_kind
 }
 
 /* Chooses where kinds stand, or looks up where they are to stand, and sets how far they are moved. The
- * largest
- * ones choose first. */
+ * largest ones choose first. */
 static void place_kinds(const iso_annotation *a, const iso_placing *placing, iso_annotation_places *places) {
     static const iso_annotation_kind order[] = {ISO_ANNOTATION_COLOR_BARS, ISO_ANNOTATION_LEGEND,
                                                 ISO_ANNOTATION_SCALE_BAR, ISO_ANNOTATION_MARKER};

@@ -2,7 +2,6 @@
 #include "image/aov.h"
 
 #include "base/memory.h"
-#include "image/image.h"
 
 iso_status iso_aov_create(int width, int height, iso_aov *aov, iso_error *error) {
     if (width < 1 || height < 1 || width > ISO_IMAGE_MAX || height > ISO_IMAGE_MAX)

@@ -8,13 +8,12 @@
 
 #include <stdbool.h>
 
+#include "base/c_linkage.h"
 #include "base/geometry.h"
 #include "base/status.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* View direction (from the eye into the scene) and up vector of a preset, for a world whose up axis is `up`
  * (unit; z up is {0,0,1}; for another up axis the presets are rotated with it). */
@@ -101,7 +100,5 @@ iso_vec3 iso_view_vector(const iso_view *view, iso_vec3 world); /* the same for 
  * direction; t is the depth. */
 void iso_view_ray(const iso_view *view, double px, double py, iso_vec3 *origin, iso_vec3 *direction);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

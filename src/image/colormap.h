@@ -5,12 +5,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "base/status.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* GRAY is the last one: it has no table. */
 #define ISO_COLORMAPS(X)                                                                                     \
@@ -74,7 +73,5 @@ typedef struct iso_color_bar {
 /* The colour of a number. If low == high all numbers have the middle colour. NaN is middle gray. */
 iso_rgb iso_color_bar_at(const iso_color_bar *bar, double number);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -16,7 +16,6 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "image/image.h"
 
 bool iso_exr_available(void) {
     return true;

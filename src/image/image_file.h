@@ -24,8 +24,7 @@ iso_image_kind iso_image_kind_of(const char *path);
 iso_status iso_image_file_check(const char *path, iso_error *error);
 
 /* Writes a picture as iso_png_write_with does, with its texts and its resolution. ISO_ERR_USAGE for other
- * endings, and for a JPEG of a picture that is not opaque; ISO_ERR_BACKEND, ISO_ERR_WRITE, ISO_ERR_NOMEM.
- * */
+ * endings, and for a JPEG of a picture that is not opaque; ISO_ERR_BACKEND, ISO_ERR_WRITE, ISO_ERR_NOMEM. */
 iso_status iso_image_file_write(const char *path, const iso_image *image, const iso_png_opts *opts,
                                 iso_error *error);
 

@@ -1,6 +1,5 @@
 /* svg_write: a drawing as SVG 1.1. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "base/html.h"

@@ -1,7 +1,6 @@
 /* key_file: writes, reads and merges key images in files. */
 #include "io/key_file.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +8,6 @@
 
 #include "base/crc32c.h"
 #include "base/file.h"
-#include "base/memory.h"
 #include "image/annotate.h"
 #include "render/picture.h"
 #include "render/pullpush/pyramid.h"

@@ -7,10 +7,6 @@
 
 #include "base/parse.h"
 
-const char iso_cut_forms[] =
-    "x<MM, x (in the middle), X,Y,Z:NX,NY,NZ, camera:MM, box:X0,Y0,Z0,X1,Y1,Z1 or sphere:X,Y,Z,R, with keep: "
-    "or ras: before it or @N behind it";
-
 /* A position or length that is larger is a mistake, mm. */
 static const double MOST = 1e9;
 
@@ -65,7 +61,7 @@ static const char *behind(const char *text, const char *word) {
 }
 
 static iso_status fail_form(const char *text, iso_error *error) {
-    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not %s", text, iso_cut_forms);
+    return iso_fail(error, ISO_ERR_USAGE, "'%s' is not " ISO_CUT_FORMS, text);
 }
 
 static iso_status parse_box(const char *text, iso_cut *cut, iso_error *error) {

@@ -18,10 +18,9 @@ typedef struct iso_gl_scene {
     iso_gl_shapes *shapes[ISO_SURFACE_MAX];
 } iso_gl_scene;
 
-/* Uploads surfaces and objects. The scene's renderer has ISO_CAN_GL. Surfaces in groups, hybrid
- * surfaces, levels of detail, instances, lines of the image pyramid, and what shares one pyramid are uploaded
- * for every picture.
- * ISO_ERR_BACKEND, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
+/* Uploads surfaces and objects. The scene's renderer has ISO_CAN_GL. Surfaces in groups, hybrid surfaces,
+ * levels of detail, instances, lines of the image pyramid, and what shares one pyramid are uploaded for every
+ * picture. ISO_ERR_BACKEND, ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_gl_scene_upload(iso_gl_scene *gl, const iso_scene *scene, iso_error *error);
 
 /* A picture, for its size in memory. */

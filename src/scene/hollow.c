@@ -1,7 +1,6 @@
 /* Walls of solids: |distance + wall / 2| - wall / 2 is the distance from both of their faces. */
 #include "scene/hollow.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "base/memory.h"

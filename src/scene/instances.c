@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/placement.h"
-#include "scene/bounds.h"
 
 iso_status iso_placed_begin(iso_placed *placed, const iso_placements *placements, iso_error *error) {
     const size_t count = placements->count;

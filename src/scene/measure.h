@@ -3,13 +3,12 @@
 #ifndef ISO_SCENE_MEASURE_H
 #define ISO_SCENE_MEASURE_H
 
+#include "base/c_linkage.h"
 #include "base/geometry.h"
 #include "base/parallel.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef struct iso_solid_measures {
     double volume, area; /* mm3, mm2: of the mesh of the surface, capped where the grid ends */
@@ -35,7 +34,5 @@ typedef struct iso_measured_place {
 iso_status iso_measure_place(const iso_grid *grid, iso_vec3 near, iso_pool *pool, iso_measured_place *place,
                              iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -87,16 +87,18 @@ enum {
 /* What several methods can do. */
 enum {
     GBUFFER = ISO_CAN_OCCLUSION | ISO_CAN_COLORS, /* of all methods that draw into a gbuffer */
-    PYRAMID = GBUFFER | ISO_CAN_PYRAMID | ISO_CAN_LEVELS | ISO_CAN_CHUNKS | ISO_CAN_GL,
-    DISCS = GBUFFER | ISO_CAN_LEVELS | ISO_CAN_SELECTION | ISO_CAN_INSTANCES | ISO_CAN_CLIP,
+    PYRAMID = GBUFFER | ISO_CAN_CLOUDS | ISO_CAN_PYRAMID | ISO_CAN_LEVELS | ISO_CAN_CHUNKS | ISO_CAN_GL,
+    DISCS = GBUFFER | ISO_CAN_CLOUDS | ISO_CAN_LEVELS | ISO_CAN_SELECTION | ISO_CAN_INSTANCES | ISO_CAN_CLIP,
     LAYERS = GBUFFER | ISO_CAN_LAYERS | ISO_CAN_GLASS,
-    SMOOTH = LAYERS | ISO_CAN_ABSORPTION | ISO_CAN_COLOR_LAYERS | ISO_CAN_CLIP | ISO_CAN_SMOOTH |
-             ISO_CAN_LIT_LAYERS
+    DISC_LAYERS = LAYERS | ISO_CAN_CLOUDS | ISO_CAN_GL | ISO_CAN_GL_LAYERS,
+    SMOOTH = LAYERS | ISO_CAN_ABSORPTION | ISO_CAN_COLOR_LAYERS | ISO_CAN_CLIP | ISO_CAN_CLIP_LAYERS |
+             ISO_CAN_SMOOTH | ISO_CAN_LIT_LAYERS | ISO_CAN_TRACED
 };
 
 static const iso_renderer METHODS[] = {
     {ISO_METHOD_POINTS, "points", "attenuated points (2003)", ISO_METHOD_POINTS, NULL,
-     ISO_RECONSTRUCTION_CURVED, POINTS, GBUFFER | ISO_CAN_GL, draw_points},
+     ISO_RECONSTRUCTION_CURVED, POINTS, GBUFFER | ISO_CAN_CLOUDS | ISO_CAN_GL | ISO_CAN_ATTENUATED,
+     draw_points},
     {ISO_METHOD_PULLPUSH_BOX, "pullpush-box", "pull-push, equal weights (2008)", ISO_METHOD_PULLPUSH, "box",
      ISO_RECONSTRUCTION_BOX, POINTS, PYRAMID, NULL},
     {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, Gaussian weights (2008)", ISO_METHOD_PULLPUSH, "gaussian",
@@ -104,11 +106,12 @@ static const iso_renderer METHODS[] = {
     {ISO_METHOD_DISCS, "discs", "points as curved discs", ISO_METHOD_DISCS, "curved",
      ISO_RECONSTRUCTION_CURVED, POINTS, DISCS | ISO_CAN_GL, NULL},
     {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", ISO_METHOD_SPLATS, "groups",
-     ISO_RECONSTRUCTION_CURVED, POINTS | GROUPS, LAYERS | ISO_CAN_GL | ISO_CAN_CLIP, draw_splats},
+     ISO_RECONSTRUCTION_CURVED, POINTS | GROUPS, DISC_LAYERS | ISO_CAN_GROUPS | ISO_CAN_CLIP, draw_splats},
     {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", ISO_METHOD_MESH, NULL, ISO_RECONSTRUCTION_CURVED, MESH,
-     GBUFFER | ISO_CAN_GL | ISO_CAN_CLIP, draw_mesh},
+     GBUFFER | ISO_CAN_GL | ISO_CAN_CLIP | ISO_CAN_STRIPS, draw_mesh},
     {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", ISO_METHOD_EXACT, NULL,
-     ISO_RECONSTRUCTION_CURVED, CELLS, SMOOTH | ISO_CAN_OBJECT_LAYERS | ISO_CAN_CHUNKS, draw_exact},
+     ISO_RECONSTRUCTION_CURVED, CELLS, SMOOTH | ISO_CAN_OBJECT_LAYERS | ISO_CAN_CHUNKS | ISO_CAN_PAGE,
+     draw_exact},
 };
 
 /* Not in the list of what is compared. Where cells are small hybrid is pullpush, where they are large it is
@@ -117,7 +120,7 @@ static const iso_renderer OTHERS[] = {
     {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", ISO_METHOD_HYBRID, NULL,
      ISO_RECONSTRUCTION_CURVED, POINTS | MESH, GBUFFER | ISO_CAN_PYRAMID | ISO_CAN_GL, draw_hybrid},
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_SPLATS, "flat",
-     ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | LAYERS | ISO_CAN_GL, NULL},
+     ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | DISC_LAYERS, NULL},
     {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_DISCS, "flat",
      ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | ISO_CAN_GL, NULL},
     {ISO_METHOD_SPLATS_ONEPASS, "splats-onepass", "splats, front to back (2003)", ISO_METHOD_SPLATS,
@@ -185,40 +188,95 @@ const iso_method iso_method_families[ISO_METHOD_FAMILIES] = {
     ISO_METHOD_EXACT,  ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH, ISO_METHOD_DISCS,
     ISO_METHOD_SPLATS, ISO_METHOD_MESH,   ISO_METHOD_RAYCAST,  ISO_METHOD_HYBRID};
 
-/* Appends a name to a list of names; the last one is joined by `joint`. */
-static void append(char text[ISO_METHODS_TEXT], const char *name, bool last, const char *joint) {
-    const size_t used = strlen(text);
-    snprintf(text + used, ISO_METHODS_TEXT - used, "%s%s", !used ? "" : last ? joint : ", ", name);
+/* A list of names as text: all but the last are known to have one behind them. */
+typedef struct list {
+    char *text;
+    const char *pending; /* the name that is written when the next one, or the end, is known */
+    bool several;
+} list;
+
+static void put(list *to, const char *joint, const char *name) {
+    const size_t used = strlen(to->text);
+    snprintf(to->text + used, ISO_METHODS_TEXT - used, "%s%s", to->several ? joint : "", name);
+    to->several = true;
 }
 
-/* Whether any row of a family can do it. */
-static bool family_can(iso_method family, iso_capability capability) {
-    for (size_t i = 0; row(i); i++)
-        if (row(i)->family == family && row(i)->can & (unsigned)capability) return true;
-    return false;
+static void add(list *to, const char *name) {
+    if (to->pending) put(to, ", ", to->pending);
+    to->pending = name;
 }
 
-const char *iso_methods_that_can(iso_capability capability, char text[ISO_METHODS_TEXT]) {
-    int last = ISO_METHOD_FAMILIES - 1;
-    while (last > 0 && !family_can(iso_method_families[last], capability)) last--;
+static const char *end(list *to) {
+    if (to->pending) put(to, " or ", to->pending);
+    return to->text;
+}
+
+static bool has_all(const iso_renderer *renderer, unsigned capabilities) {
+    return (renderer->can & capabilities) == capabilities;
+}
+
+/* Writes the reconstructions of a family that have all capabilities, its usual one first. */
+static const char *list_reconstructions(iso_method family, unsigned capabilities,
+                                        char text[ISO_METHODS_TEXT]) {
+    const iso_renderer *usual = iso_renderer_get(family);
+    list names = {.text = text};
     *text = 0;
-    for (int i = 0; i <= last; i++)
-        if (family_can(iso_method_families[i], capability))
-            append(text, iso_renderer_get(iso_method_families[i])->name, i == last, " and ");
-    return text;
+    if (!usual->reconstruction) return text;
+    if (has_all(usual, capabilities)) add(&names, usual->reconstruction);
+    for (size_t i = 0; row(i); i++)
+        if (row(i)->family == family && row(i) != usual && has_all(row(i), capabilities))
+            add(&names, row(i)->reconstruction);
+    return end(&names);
+}
+
+/* How many rows of a family have all capabilities. */
+static int count_rows(iso_method family, unsigned capabilities) {
+    int count = 0;
+    for (size_t i = 0; row(i); i++) count += row(i)->family == family && has_all(row(i), capabilities);
+    return count;
+}
+
+const char *iso_methods_that_can(unsigned capabilities, char text[ISO_METHODS_TEXT]) {
+    char some[ISO_METHODS_TEXT], names[ISO_METHOD_FAMILIES][ISO_METHODS_TEXT];
+    list families = {.text = text};
+    *text = 0;
+    for (int i = 0; i < ISO_METHOD_FAMILIES; i++) {
+        const iso_method family = iso_method_families[i];
+        const int count = count_rows(family, capabilities);
+        const char *name = iso_renderer_get(family)->name;
+        if (!count) continue;
+        if (count < count_rows(family, 0))
+            snprintf(names[i], sizeof names[i], "%s (%s)", name,
+                     list_reconstructions(family, capabilities, some));
+        else
+            snprintf(names[i], sizeof names[i], "%s", name);
+        add(&families, names[i]);
+    }
+    return end(&families);
 }
 
 const char *iso_method_reconstructions(iso_method family, char text[ISO_METHODS_TEXT]) {
-    const iso_renderer *usual = iso_renderer_get(family), *last = usual;
+    return list_reconstructions(family, 0, text);
+}
+
+const char *iso_methods_with_reconstruction(const char *reconstruction, char text[ISO_METHODS_TEXT]) {
+    list families = {.text = text};
     *text = 0;
-    if (!usual->reconstruction) return text;
-    for (size_t i = 0; row(i); i++)
-        if (row(i)->family == family) last = row(i) == usual ? last : row(i);
-    append(text, usual->reconstruction, usual == last, " or ");
-    for (size_t i = 0; row(i); i++)
-        if (row(i)->family == family && row(i) != usual)
-            append(text, row(i)->reconstruction, row(i) == last, " or ");
-    return text;
+    for (int i = 0; i < ISO_METHOD_FAMILIES; i++)
+        if (iso_renderer_find(iso_method_families[i], reconstruction))
+            add(&families, iso_renderer_get(iso_method_families[i])->name);
+    return end(&families);
+}
+
+iso_status iso_renderer_require(const iso_renderer *renderer, unsigned capabilities, const char *called,
+                                const char *what, iso_error *error) {
+    const bool others = count_rows(renderer->family, capabilities) > 0;
+    char who[ISO_METHODS_TEXT];
+    if (has_all(renderer, capabilities)) return ISO_OK;
+    return iso_fail(error, ISO_ERR_USAGE, "%s %s%s%s%s cannot draw %s: that needs %s", called,
+                    iso_renderer_get(renderer->family)->name, others ? " (" : "",
+                    others ? renderer->reconstruction : "", others ? ")" : "", what,
+                    iso_methods_that_can(capabilities, who));
 }
 
 /* ---- names */

@@ -23,7 +23,15 @@ typedef enum iso_capability {
     ISO_CAN_COLORS = 1 << 12,       /* colours opaque surfaces by data (coloring.h) */
     ISO_CAN_COLOR_LAYERS = 1 << 13, /* the same of translucent surfaces */
     ISO_CAN_SMOOTH = 1 << 14,       /* draws the isosurface of a spline (iso_filter) */
-    ISO_CAN_LIT_LAYERS = 1 << 15    /* occlusion and shadows of what is opaque beside translucent surfaces */
+    ISO_CAN_LIT_LAYERS = 1 << 15,   /* occlusion and shadows of what is opaque beside translucent surfaces */
+    ISO_CAN_CLOUDS = 1 << 16,       /* draws points of files, not only those of volumes */
+    ISO_CAN_GROUPS = 1 << 17,       /* divides points into groups: other transparencies than sorted */
+    ISO_CAN_GL_LAYERS = 1 << 18,    /* the gl engine has its translucent surfaces, too */
+    ISO_CAN_CLIP_LAYERS = 1 << 19,  /* cuts translucent surfaces */
+    ISO_CAN_TRACED = 1 << 20,       /* follows refracted rays through the volume */
+    ISO_CAN_PAGE = 1 << 21,         /* is the engine of pages */
+    ISO_CAN_STRIPS = 1 << 22,       /* draws triangles in strips */
+    ISO_CAN_ATTENUATED = 1 << 23    /* scales points by their distance */
 } iso_capability;
 
 typedef struct iso_renderer {
@@ -67,11 +75,20 @@ const iso_renderer *iso_renderer_find(iso_method family, const char *reconstruct
 enum { ISO_METHOD_FAMILIES = 8 };
 extern const iso_method iso_method_families[ISO_METHOD_FAMILIES];
 
-enum { ISO_METHODS_TEXT = 128 };
-/* Writes which families can do something, as "exact, splats and raycast"; returns `text`. */
-const char *iso_methods_that_can(iso_capability capability, char text[ISO_METHODS_TEXT]);
+enum { ISO_METHODS_TEXT = 160 };
+/* Writes which families have all of some capabilities, as "exact, splats (groups or flat) or raycast": of one
+ * that has them with some of its reconstructions only, these in brackets. Returns `text`. */
+const char *iso_methods_that_can(unsigned capabilities, char text[ISO_METHODS_TEXT]);
 /* Writes the reconstructions of a family, as "gaussian or box", "" if there is only one; returns `text`. */
 const char *iso_method_reconstructions(iso_method family, char text[ISO_METHODS_TEXT]);
+/* Writes the families that have a reconstruction, as "discs or splats"; returns `text`. */
+const char *iso_methods_with_reconstruction(const char *reconstruction, char text[ISO_METHODS_TEXT]);
+
+/* Refuses what a method cannot draw with ISO_ERR_USAGE: with `called` "--method" and `what` "glass" as
+ * "--method splats (ewa) cannot draw glass: that needs exact, splats (groups or flat) or raycast". */
+iso_status iso_renderer_require(const iso_renderer *renderer, unsigned capabilities, const char *called,
+                                const char *what, iso_error *error);
+
 /* Whether a method draws flat discs or groups of discs, whose layers are the same. */
 static inline bool iso_method_is_splats(iso_method method) {
     return method == ISO_METHOD_SPLATS || method == ISO_METHOD_SPLATS_FLAT;

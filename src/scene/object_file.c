@@ -133,8 +133,7 @@ static iso_status make_lines(reading *r, const iso_vectors *vectors, const iso_r
     if (!r->file->lines.line_count)
         return iso_fail(error, ISO_ERR_EMPTY,
                         "%s: no streamlines at %" PRIu64
-                        " places: vectors are shorter than %g there, or lead out "
-                        "of the volume",
+                        " places: vectors are shorter than %g there, or lead out of the volume",
                         r->path, r->file->field.lines.tried, r->file->field.lines.slowest);
     if (r->file->lines.line_count < (size_t)line_opts.count)
         note_count(&r->file->report, r->file->lines.line_count,

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/memory.h"
 #include "grids/change_log.h"
 #include "grids/threshold.h"
 #include "render/occlusion/object_bits.h"
@@ -422,11 +421,4 @@ iso_status iso_occluders_update(iso_occluders *o, const iso_occluding *all, cons
     set_occlusion(o, opts, camera);
     *occlusion = &o->occlusion;
     return ISO_OK;
-}
-
-size_t iso_occluders_bytes(const iso_occluders *o) {
-    const size_t lattices = o->things.words ? 2 : 1;
-    return o->coarse
-               ? lattices * (size_t)iso_solid_bits_bytes(o->bits.dims) + iso_occlusion_bytes(&o->occlusion)
-               : 0;
 }

@@ -54,7 +54,4 @@ iso_status iso_occluders_update(iso_occluders *occluders, const iso_occluding *o
                                 iso_occlusion **occlusion, iso_error *error);
 void iso_occluders_free(iso_occluders *occluders);
 
-/* Bytes of memory that they take. */
-size_t iso_occluders_bytes(const iso_occluders *occluders);
-
 #endif

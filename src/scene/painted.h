@@ -2,14 +2,13 @@
 #ifndef ISO_SCENE_PAINTED_H
 #define ISO_SCENE_PAINTED_H
 
+#include "base/c_linkage.h"
 #include "grids/change_log.h"
 #include "grids/level_set.h"
 #include "scene/coloring.h"
 #include "sculpt/field/paint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Zero: a field without paint. */
 typedef struct iso_painted {
@@ -44,7 +43,5 @@ struct iso_volume_opts;
 iso_status iso_painted_read(const char *path, const struct iso_volume_opts *opts, iso_cell_items *paint,
                             iso_painted *painted, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file_types.h"
 #include "extract/mesh/mesh_measure.h"
 #include "grids/scenes/scenes.h"
 #include "scene/surface.h"
@@ -284,4 +285,14 @@ int iso_segmentation_guess(const iso_rgrid *grid, int *last) {
         if (found.present[i]) values++, *last = i;
     const bool plateaus = values == 2 || (double)found.equal >= 0.8 * (double)found.pairs;
     return found.present[0] && values >= 2 && plateaus ? values : 0;
+}
+
+bool iso_segmentation_has_segments(const char *path) {
+    iso_label_names names = {NULL, 0};
+    if (iso_file_type_of_name(path, ISO_HOLDS_VOLUME) != ISO_FILE_nrrd ||
+        iso_label_names_of_file(path, &names, NULL) != ISO_OK)
+        return false;
+    const bool found = names.count > 0;
+    iso_label_names_free(&names);
+    return found;
 }

@@ -74,4 +74,7 @@ void iso_segmentation_free(iso_segmentation *s);
  * 0: it seems to be neither. */
 int iso_segmentation_guess(const iso_rgrid *grid, int *last);
 
+/* Whether a file is an .nrrd whose header names segments, as 3D Slicer writes them. */
+bool iso_segmentation_has_segments(const char *path);
+
 #endif

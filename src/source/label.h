@@ -1,8 +1,7 @@
 /* label: one label of a segmentation as the source of a session, and the sculpted label written back into a
- * copy of the segmentation. A voxel is changed only if its centre lies on different sides of the surface
- * with which the session began and of the sculpted one: inside now, it gets the label; outside now, it
- * becomes background if it had the label. All other voxels, and all other bytes of the file, stay as they
- * are. */
+ * copy of the segmentation. A voxel is changed only if its centre lies on different sides of the surface with
+ * which the session began and of the sculpted one: inside now, it gets the label; outside now, it becomes
+ * background if it had the label. All other voxels, and all other bytes of the file, stay as they are. */
 #ifndef ISO_SOURCE_LABEL_H
 #define ISO_SOURCE_LABEL_H
 

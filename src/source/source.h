@@ -4,6 +4,7 @@
 #ifndef ISO_SOURCE_SOURCE_H
 #define ISO_SOURCE_SOURCE_H
 
+#include "base/c_linkage.h"
 #include "base/file_types.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -17,9 +18,7 @@
 #include "sculpt/session/journal.h"
 #include "sculpt/session/session.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* A volume in memory that is viewed before it is sculpted. Read only, so that threads may share it. */
 typedef struct iso_source_volume {
@@ -109,7 +108,5 @@ iso_status iso_source_freeze(iso_session *session, const iso_grid *volume, doubl
 iso_status iso_source_freeze_labels(iso_session *session, const iso_grid *volume, int own, iso_pool *pool,
                                     iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -1,7 +1,6 @@
 /* strokes: plays a stroke file from the field that it began with. */
 #include "source/strokes.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "base/file.h"

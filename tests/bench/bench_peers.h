@@ -5,11 +5,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/c_linkage.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* vtkFlyingEdges3D over the grid's own data (borrowed until destroy): normals on, gradients and scalars off,
  * VTK's SMP backend with `threads` threads. ISO_ERR_BRIDGE when no backend really runs that many. */
@@ -40,7 +39,5 @@ void bench_volume_to_mesh_destroy(bench_volume_to_mesh *peer);
 iso_status bench_vdb_sculpt_run(bench_volume_to_mesh *peer, const double centre[3], double radius,
                                 bool clipped, double *seconds, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -18,10 +18,10 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "compare/metrics.h"
-#include "compare/study.h"
 #include "grids/scenes/scenes.h"
 #include "grids/volume/volume.h"
 #include "scene/method.h"
+#include "study_support.h"
 
 enum { ENTRIES = 64, ROWS = 1024, NAME = QUALITY_NAME, ZOOMS = 3, METHODS = 16 };
 

@@ -9,11 +9,11 @@
 #include "base/memory.h"
 #include "bench_subject.h"
 #include "exact/layers.h"
-#include "grids/scenes/scene_tree.h"
 #include "render/pullpush/sets.h"
 #include "render/raster/triangles.h"
 #include "render/shading/shading.h"
 #include "render/shapes/shapes.h"
+#include "scene_tree.h"
 
 enum { LINES = 200, LINE = 101, SURFACE = 0, WOOD = 1, LEAVES = 2, TREES = 10 };
 

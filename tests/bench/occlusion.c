@@ -147,7 +147,7 @@ int main(int argc, char **argv) {
             printf("; %d samples: exact %.1f ms, first %.2f x, later %.2f x", samples, 1000 * exact,
                    first / exact, later / exact);
         }
-        printf("; %.1f MB\n", (double)iso_occluders_bytes(&b.occluders) / 1e6);
+        printf("\n");
         fflush(stdout);
         iso_occluders_free(&b.occluders);
         iso_scene_surface_free(&b.surface);

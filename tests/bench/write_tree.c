@@ -6,10 +6,10 @@
 #include <stdlib.h>
 
 #include "base/file.h"
-#include "grids/scenes/scene_tree.h"
 #include "io/mesh/mesh_write.h"
 #include "io/points_write.h"
 #include "render/raster/triangles.h"
+#include "scene_tree.h"
 
 static void put_vectors(FILE *stream, float (*vectors)[3], size_t count) {
     for (size_t i = 0; i < count; i++)

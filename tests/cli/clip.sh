@@ -106,7 +106,7 @@ for way in ("flat", "ewa", "mean", "large", "groups"):
 P
 refuses 2 "cuts no pull-push" isorender in/cloud.xyz bad.png --method pullpush --clip 'x<3'
 refuses 2 "cuts no translucent discs" isorender in/cloud.xyz bad.png --opacity .5 --clip 'x<3'
-refuses 2 "combined with translucent discs" isorender scene:head:32 bad.png --method splats --opacity .5 --clip 'x<3'
+refuses 2 "splats cannot draw cuts (--clip) of what is translucent: that needs exact or raycast" isorender scene:head:32 bad.png --method splats --opacity .5 --clip 'x<3'
 refuses 6 "leaves nothing" isorender in/cloud.xyz bad.png --clip 'x<30'
 for where in 'x<3mm' 'x<' 'w<3' '1,2:0,0,1' '1,2,3:0,0,x' camera:near box:1,2,3,4,5 sphere:1,2,3 keep: @1 'x<3@' 'x<3@0' 'x<nan'; do
     refuses 2 "is not" isorender scene:head:32 bad.png --clip "$where"
@@ -117,7 +117,7 @@ refuses 2 "is not above 0" isorender scene:head:32 bad.png --clip sphere:1,5,3,0
 refuses 2 "there is no @2" isorender scene:head:32 bad.png --clip 'x<3@2'
 refuses 2 "there is no @3" isorender scene:head:32 bad.png --quiet --glyphs in/points.xyz --clip 'x<3@3'
 refuses 2 "needs the cpu" isorender scene:head:32 bad.png --clip 'x<3' --backend egl --method mesh
-refuses 2 "exact, discs, splats, mesh and raycast do" isorender scene:head:32 bad.png --clip 'x<3' --method points
+refuses 2 "points cannot draw cuts (--clip): that needs exact, discs, splats, mesh or raycast" isorender scene:head:32 bad.png --clip 'x<3' --method points
 refuses 2 "more than 16 cuts" isorender scene:head:32 bad.png $(for i in $(seq 17); do echo "--clip x<$i"; done)
 refuses 6 "along 1,0,0 the plane is at 900 mm, and the surface reaches from" isorender scene:head:32 bad.png --clip 'x<900'
 refuses 6 "leaves nothing: along 0,1,0" isorender scene:head:32 bad.png --clip camera:900

@@ -97,7 +97,7 @@ isorender in/bytes.ply solid.png $view --opacity 1 --json=solid.json
 isorender in/bytes.ply half.png $view --opacity .5 --opacity-mode constant --json=half.json
 isorender in/opaque.ply through.png $view --opacity .5 --opacity-mode constant --json=through.json
 isorender in/bytes.ply pull.png --camera front --resolution 100x100 --method discs --points in/kept.ply --json=pull.json 2>said
-grep -q "note: its points have opacities, but only --method splats" said || { cat said; exit 1; }
+grep -q "note: its points have opacities, but --method discs cannot draw them: that needs splats (groups or flat)" said || { cat said; exit 1; }
 isorender in/kept.ply kept.png $view --json=kept.json
 isorender --info in/bytes.ply | grep -q "opacities   of the file"
 isorender in/nothing.ply nothing.png --camera front --resolution 100x100 2>said

@@ -38,5 +38,5 @@ for kind in "", "file_":
 P
 isorender_refuses 2 "--method pullpush has --reconstruction gaussian or box" in/ball.mha --method pullpush --reconstruction ewa
 isorender_refuses 2 "--method discs has --reconstruction curved or flat" in/ball.mha --method discs --reconstruction box
-isorender_refuses 2 "are for --method splats (flat for discs, too)" in/ball.mha --reconstruction flat
-isorender_refuses 2 "--one-pyramid is for --method pullpush and hybrid" in/ball.mha --method discs --one-pyramid
+isorender_refuses 2 "--reconstruction flat is for --method discs or splats" in/ball.mha --reconstruction flat
+isorender_refuses 2 "--one-pyramid is for --method pullpush or hybrid" in/ball.mha --method discs --one-pyramid

@@ -31,13 +31,13 @@ expect(file["glass"] == {"ior": 1.5, "refraction": "two-sided", "environment": "
 expect(file["method"] == "splats" and "opacities" not in file, file["method"])
 expect(usual["glass"] == {"ior": 1.5, "refraction": "layers", "surface_opacity": 0.2, "environment": "studio"}, usual["glass"])
 P
-isorender_refuses 2 "traced follows rays through a volume" scene:torus:64 --method splats --ior 1.5 --refraction traced
+isorender_refuses 2 "splats cannot draw --refraction traced: that needs exact or raycast" scene:torus:64 --method splats --ior 1.5 --refraction traced
 isorender_refuses 2 "refraction traced needs a volume" in/torus.ply --ior 1.5 --refraction traced
 isorender_refuses 2 "sorted or nearest" in/torus.ply --ior 1.5 --transparency groups
 isorender_refuses 2 "two-sided needs sorted" in/torus.ply --ior 1.5 --transparency nearest --refraction two-sided
 isorender_refuses 2 "attenuation-color needs sorted" in/torus.ply --ior 1.5 --transparency nearest $tint
-isorender_refuses 2 "needs flat or groups" in/torus.ply --ior 1.5 --method splats --reconstruction ewa
-isorender_refuses 2 "draws no glass" in/torus.ply --ior 1.5 --method points
+isorender_refuses 2 "splats (ewa) cannot draw glass (--ior): that needs exact, splats (groups or flat) or raycast" in/torus.ply --ior 1.5 --method splats --reconstruction ewa
+isorender_refuses 2 "cannot draw glass" in/torus.ply --ior 1.5 --method points
 # colours and opacities of the points are left out, and that is said
 printf 'ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\nend_header\n0 0 0 0 -1 0 1 2 3 90\n1 0 0 0 -1 0 1 2 3 90\n' >in/colored.ply
 isorender in/colored.ply colored.png --ior 1.5 --resolution 64x64 2>said

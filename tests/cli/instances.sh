@@ -150,8 +150,8 @@ refused 3 'plane.csv: its points have no z' --instances in/plane.csv
 refused 3 'absent.csv' --instances in/absent.csv
 refused 3 'ball.mha: not a file of' --instances in/ball.mha
 refused 6 'nothing of the surface is in view' --instances in/away.csv --camera-position 9.5,-60,9.5 --camera-focal-point 9.5,0,9.5
-refused 2 'not by mesh' --instances in/one.csv --method mesh
-refused 2 'not by exact' --instances in/one.csv --method exact
+refused 2 'mesh cannot draw --instances: that needs discs or splats (flat, onepass, ewa or mean)' --instances in/one.csv --method mesh
+refused 2 'exact cannot draw --instances' --instances in/one.csv --method exact
 refused 2 'an opacity below 1' --instances in/one.csv --opacity 0.5
 refused 2 '--ior' --instances in/one.csv --ior 1.5
 refused 2 '--instances cannot be drawn in chunks' --instances in/one.csv --chunk-size 16

@@ -91,7 +91,7 @@ wrong 2 'as many as surfaces' '{"keyframes": [{"frame": 0}, {"frame": 3, "option
 wrong 3 '"linear" or "smooth"' '{"interpolation": "spline", "keyframes": [{"frame": 0}, {"frame": 3}]}'
 isorender_refuses 2 "not --turntable" in/ball.mha --isovalue 500 --keyframes in/turn.json --turntable 3
 isorender_refuses 2 "of a surface that stays" in/ball.mha --isovalue 500 --keyframes in/turn.json --closed
-isorender_refuses 2 "draws no translucent" in/ball.mha --isovalue 500 --keyframes in/values.json --method mesh
+isorender_refuses 2 "cannot draw cuts (--clip) of what is translucent" in/ball.mha --isovalue 500 --keyframes in/values.json --method mesh
 isorender_refuses 3 "nowhere.json" in/ball.mha --keyframes nowhere.json
 # lines, glyphs and labels without an input are turned, too
 printf 'x,y,z\n0,0,0\n3,0,0\n0,9,0\n' >in/atoms.csv

@@ -63,6 +63,13 @@ head = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 30 30 30\nspacings: 1 1 1\n
 open("in/few.nrrd", "wb").write(head + body)
 open("in/scan.nrrd", "wb").write(head + scan)
 P
+# what names segments, as 3D Slicer writes it, is drawn as labels by itself, unless isosurfaces are asked for
+isorender in/named.seg.nrrd segments.png --resolution 200x200 --json=segments.json 2>notes && grep -q "note: drawn as labels" notes || exit 1
+draw segments-smooth in/named.seg.nrrd --smooth && isocompare images segments.png segments-smooth.png --fail-under psnr=100 >/dev/null || exit 1
+isorender in/named.seg.nrrd segments.png --resolution 200x200 --isovalue 5 2>notes && ! grep -q "drawn as labels" notes || exit 1
+isorender in/named.seg.nrrd --info >notes 2>&1 && ! grep -q "drawn as labels" notes || exit 1
+draw segments-one in/named.seg.nrrd --label 'left box' && draw one-smooth in/named.seg.nrrd --smooth --label 'left box'
+isocompare images segments-one.png one-smooth.png --fail-under psnr=100 >/dev/null || exit 1
 isorender in/few.nrrd m.png 2>notes && grep -q "note: these seem to be 3 labels (up to 3): --smooth" notes || exit 1
 isorender in/scan.nrrd m.png --isovalue 45 2>notes && ! grep -q "smooth" notes || exit 1
 # Segments of two layers that overlap.

@@ -10,7 +10,7 @@ for light in occlusion shadow outline; do
     draw $light-same $scene --$light --threads 1
     ISO_CPU=generic draw $light-generic $scene --$light
     for method in $methods; do draw $light-$method $scene --$light --method $method --samples 4; done
-    refuses 2 "it cannot be combined with --opacity below 1" isorender scene:torus:32 bad.png --$light --opacity 0.5 --method splats
+    refuses 2 "opacity below 1" isorender scene:torus:32 bad.png --$light --opacity 0.5 --method splats
     refuses 2 "it cannot be combined with --ior" isorender scene:torus:32 bad.png --$light --ior 1.5
     refuses 2 "needs depths and normals of the whole picture" isorender scene:torus:32 --part 1/2 -o bad.isokeys --$light
 done

@@ -35,7 +35,7 @@ draw alone-plain --lines in/lines.vtk --tube-radius 2.2
 isorender alone.scene.json again.png --quiet && cmp alone.png again.png || exit 1
 draw glyphs --glyphs in/balls.xyz --glyph-radius 2.4 --occlusion=8
 draw glyphs-plain --glyphs in/balls.xyz --glyph-radius 2.4
-refuses 2 "--occlusion is of opaque surfaces: it cannot be combined with --opacity below 1" \
+refuses 2 "splats cannot draw --occlusion beside --opacity below 1: that needs exact or raycast" \
     isorender scene:torus:32 bad.png --opacity 0.5 --occlusion --method splats
 refuses 2 "--outline is of opaque surfaces: it cannot be combined with --opacity below 1" \
     isorender scene:torus:32 bad.png --opacity 0.5 --occlusion --outline

@@ -48,5 +48,5 @@ done
 code=0
 isorender in/ball.mha none.png --isovalue 500 --opacity 0.5 --lines in/axis.swc --backend osmesa 2>said || code=$?
 [ $code -eq 2 ]
-grep -q "draws translucent surfaces with --method splats only" said
+grep -q "draws translucent surfaces by --method splats (groups or flat)" said
 [ $tried -gt 0 ] || exit 77

@@ -54,10 +54,10 @@ P
 fi
 isorender_refuses 2 "not an opacity from 0 to 1" $lines --line-opacity 1.5
 isorender_refuses 2 "is for --glyphs, which is not given" $lines --glyph-opacity 0.5
-isorender_refuses 2 "opaque lines, glyphs and meshes only: --line-opacity needs exact" scene:sphere:16 $lines --line-opacity 0.5 --method raycast
+isorender_refuses 2 "cannot draw translucent lines, glyphs and meshes (--line-opacity): that needs exact" scene:sphere:16 $lines --line-opacity 0.5 --method raycast
 isorender_refuses 2 "no --lines, --glyphs and --surface beside it" scene:sphere:16 $lines --line-opacity 0.5 --ior 1.5
 isorender_refuses 2 "draws no translucent objects" $lines --line-opacity 0.5 --backend osmesa
-isorender_refuses 2 "--surface-opacity needs exact" scene:sphere:16 --surface ball.ply --surface-opacity 0.5 --method mesh
+isorender_refuses 2 "(--surface-opacity): that needs exact" scene:sphere:16 --surface ball.ply --surface-opacity 0.5 --method mesh
 isorender_refuses 2 "--absorption is for translucent surfaces" $lines --line-opacity 0.5 --absorption 5
 isorender_refuses 2 "--layers is for translucent surfaces" $lines --layers 2
 isorender scene:sphere:16 --points points.ply --no-image --quiet

@@ -69,7 +69,7 @@ isorender_refuses 2 "--volume-color: 'x' is neither" in/ball.mha --volume in/bal
 isorender_refuses 2 "--volume-color is for --volume" in/ball.mha --volume-color red
 isorender_refuses 2 "--volume-color is given 2 times for 1 --volume" in/ball.mha --volume in/ball.mha --volume-color red --volume-color red
 isorender_refuses 2 "cannot be combined with --volume" in/ball.mha --volume in/ball.mha --ior 1.5
-isorender_refuses 2 "--method points draws no translucent" in/ball.mha --volume in/ball.mha --volume-opacity 0.5 --method points
+isorender_refuses 2 "--method points cannot draw translucent" in/ball.mha --volume in/ball.mha --volume-opacity 0.5 --method points
 isorender_refuses 2 "--isovalue is for an input" in/line.swc --isovalue 3 --volume in/ball.mha
 cp in/turned.mha in/copy.mha
 isorender_refuses 2 "overwrite" in/ball.mha --volume in/copy.mha --json=in/copy.mha

@@ -1,4 +1,4 @@
-# Every header compiles alone as C17 with no warning, and those with `extern "C"`, which C++ includes, as C++17. HDF5: the folder of hdf5.h; without it the headers that include it
+# Every header compiles alone as C17 with no warning, and those that C++ includes (with ISO_C_BEGIN), as C++17. HDF5: the folder of hdf5.h; without it the headers that include it
 # are left out. GENERATED: the folder of headers that the build writes. Usage:
 # cmake -DROOT=... -DCC=... -DCXX=... -DTMP=... -DGENERATED=... -DHDF5=... -P headers.cmake
 cmake_minimum_required(VERSION 3.25)
@@ -13,7 +13,7 @@ endif()
 foreach(header ${headers})
     string(REGEX REPLACE "^src/" "" path ${header})
     set(languages c)
-    file(STRINGS ${ROOT}/${header} guard REGEX "extern \"C\"")
+    file(STRINGS ${ROOT}/${header} guard REGEX "ISO_C_BEGIN|extern \"C\"")
     if(guard)
         list(APPEND languages c++)
     endif()

@@ -4,9 +4,9 @@
 
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "base/c_linkage.h"
+
+ISO_C_BEGIN
 
 typedef enum dicom_syntax { DICOM_EXPLICIT, DICOM_IMPLICIT, DICOM_BIG } dicom_syntax;
 
@@ -31,7 +31,5 @@ void dicom_write(const char *path, const dicom_spec *spec);
  * (lossless). Returns 0, or 1 when GDCM cannot. */
 int dicom_compress(const char *path, const char *how);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -4,9 +4,9 @@
 #ifndef ISO_TESTS_EXR_FILES_H
 #define ISO_TESTS_EXR_FILES_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "base/c_linkage.h"
+
+ISO_C_BEGIN
 
 enum { EXR_PICTURE_CHANNELS = 5 };
 
@@ -31,7 +31,5 @@ int exr_read_matrix(const char *path, const char *attribute, float matrix[16]);
 int exr_read_float(const char *path, const char *attribute, float *value);
 int exr_has_text(const char *path, const char *attribute, const char *text);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

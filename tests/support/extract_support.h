@@ -4,13 +4,12 @@
 
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "extract/mesh/mesh.h"
 #include "extract/points/points.h"
 #include "grids/grid.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef struct test_random {
     uint64_t state;
@@ -71,7 +70,5 @@ iso_mesh_set *test_mesh_set(const iso_grid *grid, const iso_mesh_opts *opts);
 void test_same_points(const iso_point_view *a, const iso_point_view *b);
 void test_same_mesh(const iso_mesh_view *a, const iso_mesh_view *b);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

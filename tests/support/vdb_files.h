@@ -2,9 +2,9 @@
 #ifndef ISO_TESTS_VDB_FILES_H
 #define ISO_TESTS_VDB_FILES_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "base/c_linkage.h"
+
+ISO_C_BEGIN
 
 enum vdb_class { VDB_UNKNOWN, VDB_LEVEL_SET, VDB_FOG };
 
@@ -34,7 +34,5 @@ int vdb_write_points(const char *path, const char *name);
 /* Writes two grids, "a" and "b", that share one tree; b is shifted by `shift` along x. */
 int vdb_write_instances(const char *path, const vdb_spec *spec, double shift);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

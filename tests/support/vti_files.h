@@ -5,9 +5,9 @@
 
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "base/c_linkage.h"
+
+ISO_C_BEGIN
 
 enum vti_flags {
     VTI_RAW = 1,        /* values appended as raw bytes; otherwise in base64 within their elements */
@@ -42,7 +42,5 @@ typedef struct vti_image {
 /* Reads one component of the array of a name; NULL: of the active scalars, or else of the first array. */
 int vti_read(const char *path, const char *name, int component, vti_image *image);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

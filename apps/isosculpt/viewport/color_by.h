@@ -4,11 +4,10 @@
 #define ISO_APPS_ISOSCULPT_VIEWPORT_COLOR_BY_H
 
 #include "apps/isosculpt/viewport/viewport.h"
+#include "base/c_linkage.h"
 #include "scene/coloring.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 enum { ISOSCULPT_COLOR_TEXT = 1400 };
 
@@ -42,7 +41,5 @@ iso_status isosculpt_color_by_find_range(isosculpt_viewport *viewport, bool movi
 /* Frees and forgets all that is set. */
 void isosculpt_color_by_free(isosculpt_viewport *viewport);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -4,11 +4,10 @@
 #define ISO_APPS_ISOSCULPT_VIEWPORT_CUT_H
 
 #include "apps/common/cap_style.h"
+#include "base/c_linkage.h"
 #include "scene/cuts.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 enum { ISOSCULPT_CUT_TEXT = 200 };
 
@@ -61,7 +60,5 @@ void isosculpt_cut_drag(isosculpt_cut *cut, const iso_view *view, double dx, dou
 /* Tilts the plane about its handle, whose arrow follows the pointer. */
 void isosculpt_cut_tilt(isosculpt_cut *cut, const iso_view *view, double dx, double dy);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

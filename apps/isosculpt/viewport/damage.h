@@ -3,12 +3,11 @@
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_DAMAGE_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_DAMAGE_H
 
+#include "base/c_linkage.h"
 #include "grids/hgrid.h"
 #include "image/camera.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Pixels x0 .. x1 - 1, y0 .. y1 - 1. */
 typedef struct isosculpt_rectangle {
@@ -37,7 +36,5 @@ void isosculpt_damage_add_edits(isosculpt_damage *damage, const iso_view *view, 
 /* Sum of the rectangles' areas, in pixels. */
 size_t isosculpt_damage_area(const isosculpt_damage *damage);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -4,11 +4,10 @@
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_GL_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_GL_H
 
+#include "base/c_linkage.h"
 #include "render/gl/canvas.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef struct isosculpt_gl isosculpt_gl;
 
@@ -37,7 +36,5 @@ iso_status isosculpt_gl_draw_points(isosculpt_gl *gl, const iso_point_view *poin
  * drawn. *pick_buffer is borrowed; the next call overwrites it. ISO_ERR_NOMEM, ISO_ERR_BACKEND. */
 iso_status isosculpt_gl_keep_pick_buffer(isosculpt_gl *gl, iso_gl_canvas **pick_buffer, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -5,11 +5,10 @@
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_LOD_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_LOD_H
 
+#include "base/c_linkage.h"
 #include "extract/points/points.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 enum { ISOSCULPT_LOD_LEVELS = 3 }; /* full, half and quarter resolution */
 
@@ -36,7 +35,5 @@ int isosculpt_lod_level(const isosculpt_lod *lod); /* 0: full resolution */
 /* Reports how many seconds the last step took; chooses the level of the next step. */
 void isosculpt_lod_record_times(isosculpt_lod *lod, double extract, double draw);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

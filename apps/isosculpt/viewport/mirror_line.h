@@ -3,10 +3,9 @@
 #define ISO_APPS_ISOSCULPT_VIEWPORT_MIRROR_LINE_H
 
 #include "apps/isosculpt/viewport/viewport.h"
+#include "base/c_linkage.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* A line from (x[0], y[0]) to (x[1], y[1]), pixels of the full picture. */
 typedef struct isosculpt_segment {
@@ -19,7 +18,5 @@ typedef struct isosculpt_segment {
 size_t isosculpt_mirror_lines(const isosculpt_pick_buffer *buffer, int axis, double at,
                               isosculpt_segment *segments, size_t room);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

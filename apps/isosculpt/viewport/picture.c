@@ -1,6 +1,5 @@
 /* The picture of a viewport: drawn as a whole, or only where an edit changed it; then refined with four
  * samples a pixel. */
-#include <math.h>
 #include <string.h>
 
 #include "apps/isosculpt/viewport/async_surface.h"

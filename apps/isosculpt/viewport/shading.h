@@ -4,11 +4,10 @@
 #ifndef ISO_APPS_ISOSCULPT_VIEWPORT_SHADING_H
 #define ISO_APPS_ISOSCULPT_VIEWPORT_SHADING_H
 
+#include "base/c_linkage.h"
 #include "render/shading/shading.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 #define ISOSCULPT_SHADINGS(X)                                                                                \
     X(LAMPS, "lamps")                                                                                        \
@@ -48,7 +47,5 @@ const isosculpt_matcap *isosculpt_material_matcap(const isosculpt_material *mate
 void isosculpt_material_strip(const isosculpt_material *material, isosculpt_matcap *matcap,
                               const iso_strip *strip, iso_image *image, iso_pool *pool);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

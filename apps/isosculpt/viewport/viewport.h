@@ -14,13 +14,12 @@
 #include "apps/isosculpt/viewport/gl.h"
 #include "apps/isosculpt/viewport/lod.h"
 #include "apps/isosculpt/viewport/shading.h"
+#include "base/c_linkage.h"
 #include "scene/method.h"
 #include "scene/occluders.h"
 #include "scene/painted.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* The methods that a user can choose, in the order of the panel: a selection from the table of renderers
  * (methods/method.h). */
@@ -288,7 +287,5 @@ iso_box isosculpt_viewport_bounds(isosculpt_viewport *viewport);
  * around it. NULL: shows the whole surface. */
 void isosculpt_viewport_focus(isosculpt_viewport *viewport, const iso_vec3 *at);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

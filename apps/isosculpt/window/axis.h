@@ -2,9 +2,9 @@
 #ifndef ISO_APPS_ISOSCULPT_WINDOW_AXIS_H
 #define ISO_APPS_ISOSCULPT_WINDOW_AXIS_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "base/c_linkage.h"
+
+ISO_C_BEGIN
 
 enum { ISOSCULPT_AXIS_TICKS = 12 };
 
@@ -12,7 +12,5 @@ enum { ISOSCULPT_AXIS_TICKS = 12 };
  * ISOSCULPT_AXIS_TICKS) of them, and returns their number; 0 for an empty or infinite range. */
 int isosculpt_axis_ticks(double low, double high, int most, double ticks[ISOSCULPT_AXIS_TICKS]);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -2,7 +2,6 @@
 #include "apps/isosculpt/window/events.h"
 
 #include <ctype.h>
-#include <stdio.h>
 
 #include <GLFW/glfw3.h>
 
@@ -170,8 +169,7 @@ static bool answer_dialog(window *w, int key, int meaning) {
 }
 
 /* Handles Escape outside a stroke and without an open list: closes the help, else cancels a background task,
- * else dismisses the message, else selects no
- * stroke. */
+ * else dismisses the message, else selects no stroke. */
 static void handle_escape(window *w) {
     if (w->screen.help)
         w->screen.help = false;

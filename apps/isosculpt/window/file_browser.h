@@ -7,11 +7,10 @@
 #include <stddef.h>
 
 #include "apps/isosculpt/document.h"
+#include "base/c_linkage.h"
 #include "base/file_types.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef enum isosculpt_purpose {
     ISOSCULPT_BROWSE_NOTHING, /* the dialog is closed */
@@ -96,7 +95,5 @@ bool isosculpt_browser_choose(isosculpt_browser *browser, char path[ISOSCULPT_PA
  * is closed. */
 bool isosculpt_browser_draw(isosculpt_browser *browser, float scale, char path[ISOSCULPT_PATH]);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -7,10 +7,9 @@
 #include "apps/common/options.h"
 #include "apps/isosculpt/input_controller.h"
 #include "apps/isosculpt/window/file_browser.h"
+#include "base/c_linkage.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Modal dialogs, one at a time; meanwhile mouse and keys do not reach the sculpture. */
 typedef enum isosculpt_dialog {
@@ -117,7 +116,5 @@ iso_status isosculpt_panel_draw(isosculpt_panel *panel, isosculpt_screen *screen
 bool isosculpt_panel_has_pointer(const isosculpt_panel *panel, double x, double y);
 bool isosculpt_panel_has_keys(void);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -11,11 +11,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "grids/volume/volume.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* One image plane: a file, or one frame of a multi-frame file ("frame" is DICOM's word). Millimetres, LPS. */
 typedef struct iso_dicom_frame {
@@ -171,7 +170,5 @@ enum { ISO_DICOM_WARNING = 128 };
 typedef iso_status iso_dicom_decoder(const iso_dicom_file *file, const iso_dicom_items *items, void *pixels,
                                      char warning[ISO_DICOM_WARNING], iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

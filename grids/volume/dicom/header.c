@@ -5,7 +5,6 @@
 #include "grids/volume/dicom/dicom.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <locale.h>
 #include <math.h>
 #include <stdio.h>

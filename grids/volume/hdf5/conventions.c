@@ -4,7 +4,6 @@
  * BigDataViewer: its page on the image data in HDF5. NeXus: the manual's rules for NXdata. */
 #include "grids/volume/hdf5/conventions.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -199,9 +199,8 @@ iso_status iso_hdf5_decoder_create(const iso_hdf5_source *source, iso_hdf5_decod
 void iso_hdf5_decoder_destroy(iso_hdf5_decoder *decoder);
 
 /* Gives the values of a chunk as the scalar of the array, in the machine's byte order and the order of the
- * file; those outside of the array are undefined. For several threads, which wait for each other.
- * ISO_ERR_IO names the file, the array and the chunk, also if libhdf5 crashes; ISO_ERR_LIMIT;
- * ISO_ERR_NOMEM. */
+ * file; those outside of the array are undefined. For several threads, which wait for each other. ISO_ERR_IO
+ * names the file, the array and the chunk, also if libhdf5 crashes; ISO_ERR_LIMIT; ISO_ERR_NOMEM. */
 iso_status iso_hdf5_decode_chunk(iso_hdf5_decoder *decoder, const int index[3], void *values,
                                  iso_error *error);
 

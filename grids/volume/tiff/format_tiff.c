@@ -3,7 +3,6 @@
  * 64 bits and floats. Slices follow one another along z; x is to the right and y downwards in an image.
  * Distances come from ImageJ's or OME's metadata, else from the resolution tags; several samples or
  * channels are components. */
-#include <limits.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
 #include "grids/volume/tiff/tiff.h"
 
 /* ---- numbers ---- */

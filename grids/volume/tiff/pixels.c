@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/memory.h"
 #include "grids/volume/tiff/tiff.h"
 
 /* ---- files ---- */

@@ -1,9 +1,7 @@
 /* planes: which image of a TIFF stack is which slice, by the metadata of ImageJ or OME. */
 #include <limits.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "base/memory.h"
 #include "grids/volume/tiff/tiff.h"
 
 /* More planes than any microscope writes into one set of files. */

@@ -1,14 +1,11 @@
-/* stack: lists the images of a TIFF file, or of a folder of TIFF files, and checks that they fit together.
- */
+/* stack: lists the images of a TIFF file, or of a folder of TIFF files, and checks that they fit together. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <tiffio.h>
 #include <unistd.h>
 
-#include "base/memory.h"
 #include "grids/volume/tiff/tiff.h"
 
 /* More images in one file than any program writes: a chain of headers may be endless. */

@@ -104,8 +104,7 @@ static uint64_t size_along(const zarr_volume *v, const uint64_t sizes[ISO_ZARR_A
 
 /* ---- header */
 
-/* Sets spacing and origin, in mm. Axes without a unit are taken as micrometres, as microscopes write them.
- */
+/* Sets spacing and origin, in mm. Axes without a unit are taken as micrometres, as microscopes write them. */
 static void set_transform(const zarr_volume *v, const iso_volume_opts *opts, iso_volume_info *info) {
     const iso_zarr_image *image = &v->image;
     bool stated = image->has_scale, has_unit = true;

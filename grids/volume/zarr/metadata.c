@@ -1,6 +1,4 @@
 /* metadata: reads what describes an array: .zarray of Zarr 2, zarr.json of Zarr 3, attributes.json of N5. */
-#include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -341,8 +339,7 @@ static iso_status read_endian(const metadata *m, const json_t *codec, bool *big,
 
 static iso_status read_codecs(const metadata *m, const json_t *list, bool in_shard, iso_error *error);
 
-/* The codecs of the index of a shard: bytes, and then none or crc32c. Others would not have a known size.
- */
+/* The codecs of the index of a shard: bytes, and then none or crc32c. Others would not have a known size. */
 static iso_status read_index_codecs(const metadata *m, const json_t *list, iso_error *error) {
     iso_zarr_codecs *codecs = &m->array->index_codecs;
     const char *first = name_of(json_array_get(list, 0));

@@ -1,14 +1,11 @@
 /* ome: reads the metadata of a multiscale image of OME-Zarr 0.4 (.zattrs) and 0.5 (zarr.json). */
-#include <ctype.h>
 #include <dirent.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/memory.h"
 #include "grids/volume/zarr/zarr.h"
 
 /* The metadata that is being read. */

@@ -141,8 +141,7 @@ typedef struct iso_zarr_chunks iso_zarr_chunks;
 uint64_t iso_zarr_index_bytes(const iso_zarr_array *array);
 
 /* `remote`: of a folder on a server. `index_memory`: bytes for indices of shards, one of which is always
- * kept. `folder` and `array` are copied.
- * ISO_ERR_NOMEM. */
+ * kept. `folder` and `array` are copied. ISO_ERR_NOMEM. */
 iso_status iso_zarr_chunks_create(const char *folder, const iso_zarr_array *array, const iso_remote *remote,
                                   uint64_t index_memory, iso_zarr_chunks **chunks, iso_error *error);
 void iso_zarr_chunks_destroy(iso_zarr_chunks *chunks);

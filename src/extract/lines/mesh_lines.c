@@ -13,8 +13,7 @@
 static const double THIN = 2;
 /* Its tubes are where it is if all but OUTSIDE of its vertices are within NEAR radii of their surface. */
 static const double NEAR = 0.3, OUTSIDE = 0.1;
-/* A leaf is at least so many times as long as wide, and its ribbon's area differs by less than this
- * part. */
+/* A leaf is at least so many times as long as wide, and its ribbon's area differs by less than this part. */
 static const double LEAF_LENGTH = 1.5, LEAF_AREA = 0.25;
 
 typedef enum piece_kind { PIECE_REST, PIECE_TUBES, PIECE_RIBBON } piece_kind;

@@ -12,8 +12,7 @@
 static const uint32_t NONE = UINT32_MAX;
 /* A piece with one outline is a sheet if its triangles face one way: by so much of its area at least. */
 static const double FLAT = 0.7;
-/* A triangle's edge joins two vertices of one ring for certain if the other two are so many times as
- * long. */
+/* A triangle's edge joins two vertices of one ring for certain if the other two are so many times as long. */
 static const double ELONGATED = 1.6;
 
 /* Rings cross each other if their vertices' mean distance from the ring's middle, along the branch, is

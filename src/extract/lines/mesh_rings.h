@@ -75,10 +75,9 @@ typedef struct iso_mesh_distances {
     size_t heaped;
 } iso_mesh_distances;
 
-/* Finds the distances along the surface from one place to all that it is connected to, which are written
- * to `order`, near ones first; returns how many these are. Distances have to be INFINITY before, and
- * done false. Fast marching (Kimmel and Sethian 1998, "Computing geodesic paths on manifolds"), with
- * virtual sources. */
+/* Finds the distances along the surface from one place to all that it is connected to, which are written to
+ * `order`, near ones first; returns how many these are. Distances have to be INFINITY before, and done false.
+ * Fast marching (Kimmel and Sethian 1998, "Computing geodesic paths on manifolds"), with virtual sources. */
 size_t iso_mesh_distances_from(iso_mesh_distances *d, uint32_t from, uint32_t *order);
 
 /* The normal of a triangle, as long as its area. */

@@ -1,5 +1,4 @@
 /* ring_chains: leaves out short side branches, and cuts the graph of rings into chains. */
-#include <math.h>
 #include <string.h>
 
 #include "base/memory.h"

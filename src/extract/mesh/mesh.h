@@ -11,14 +11,13 @@
 #ifndef ISO_EXTRACT_MESH_MESH_H
 #define ISO_EXTRACT_MESH_MESH_H
 
+#include "base/c_linkage.h"
 #include "base/parallel.h"
 #include "base/primitives.h"
 #include "grids/grid.h"
 #include "grids/grid_chunk.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef struct iso_mesh_opts {
     double isovalue; /* physical (grids/grid.h): of a level set, mm */
@@ -76,7 +75,5 @@ iso_status iso_mesh_weld_box(const iso_mesh_view *view, const iso_brick_box *box
 void iso_weld_separate(const iso_mesh_view *view, double distance, iso_weld *weld);
 void iso_weld_free(iso_weld *weld);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

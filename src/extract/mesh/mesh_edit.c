@@ -1,7 +1,6 @@
 /* Smoothing of welded meshes, and their normals. */
 #include "extract/mesh/mesh_edit.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "base/memory.h"

@@ -6,8 +6,6 @@
  * sparse grid takes longer than the arithmetic. */
 #include "extract/points/foot_points.h"
 
-#include <string.h>
-
 /* Voxels that iteration may move; more than sqrt 3, because the field need not be a distance field. */
 static const double REACH = ISO_FOOT_REACH;
 static const int MOST_STEPS = 10;

@@ -24,15 +24,14 @@
 
 #include <stdbool.h>
 
+#include "base/c_linkage.h"
 #include "base/parallel.h"
 #include "base/primitives.h"
 #include "grids/grid.h"
 #include "grids/grid_chunk.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 const char *iso_primitive_name(iso_primitive primitive); /* "auto" "edge" "foot" "foot-iterated" */
 
@@ -94,7 +93,5 @@ typedef struct iso_points_stats {
 } iso_points_stats;
 iso_points_stats iso_point_set_stats(const iso_point_set *set);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

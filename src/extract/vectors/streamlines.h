@@ -2,12 +2,11 @@
 #ifndef ISO_EXTRACT_VECTORS_STREAMLINES_H
 #define ISO_EXTRACT_VECTORS_STREAMLINES_H
 
+#include "base/c_linkage.h"
 #include "base/lines.h"
 #include "grids/vectors.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Options. Zero means the default, except for `count`. */
 typedef struct iso_streamlines_opts {
@@ -41,7 +40,5 @@ typedef struct iso_streamlines_totals {
 iso_status iso_streamlines(const iso_vectors *vectors, const iso_streamlines_opts *opts, iso_lines *lines,
                            iso_streamlines_totals *totals, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

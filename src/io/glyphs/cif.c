@@ -4,7 +4,6 @@
  * molecules with fractional coordinates or of reflections, is refused.
  *
  * Attributes: the number of the chain in order of appearance, and the temperature factor. */
-#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>

@@ -1,12 +1,10 @@
 /* glyphs_read: finds the reader of a file of glyphs. */
 #include "io/glyphs/glyphs_read.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "base/decimal_point.h"
 #include "base/memory.h"
-#include "io/common/encode.h"
 #include "io/common/ply.h"
 #include "io/polydata/ply_gaussians.h"
 #include "io/polydata/polydata.h"

@@ -1,6 +1,5 @@
 /* off: Geomview's OFF as text: vertices, with their normals (NOFF) and colours (COFF) if the first word says
  * so, and faces, which serve normals or are the surface. Texture coordinates (STOFF) are left out. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "io/glyphs/point_rows.h"

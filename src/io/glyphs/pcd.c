@@ -4,7 +4,6 @@
  * rgb and rgba are colours in the bits of one number, 0xAARRGGBB, whichever type it has. Fields called _ are
  * padding. The viewpoint is where the sensor was; points are in the sensor's frame, and stay there. */
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>

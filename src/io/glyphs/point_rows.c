@@ -5,11 +5,9 @@
 #include "io/glyphs/point_rows.h"
 
 #include <ctype.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "base/file_types.h"
-#include "base/text.h"
 #include "io/glyphs/point_columns.h"
 
 static const char separators[] = ",;";

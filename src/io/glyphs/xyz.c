@@ -4,7 +4,6 @@
  *
  * Of several frames the first is read. Text after a molecule's coordinates is ignored. */
 #include <ctype.h>
-#include <string.h>
 
 #include "io/glyphs/atoms.h"
 #include "io/glyphs/elements.h"

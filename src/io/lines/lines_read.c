@@ -1,13 +1,11 @@
 /* lines_read: finds the reader of a file of lines. */
 #include "io/lines/lines_read.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "base/decimal_point.h"
 #include "base/file.h"
 #include "base/text.h"
-#include "io/common/encode.h"
 #include "io/lines/lines_format.h"
 
 typedef iso_status read_fn(iso_reading *reading, iso_lines *lines, iso_error *error);

@@ -6,7 +6,6 @@
 
 #include "base/decimal_point.h"
 #include "base/file_types.h"
-#include "io/common/encode.h"
 #include "io/mesh/mesh_format.h"
 #include "io/polydata/polydata.h"
 

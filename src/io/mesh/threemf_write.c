@@ -6,7 +6,6 @@
 
 #include "base/decimal_point.h"
 #include "base/text.h"
-#include "io/common/encode.h"
 #include "io/mesh/mesh_source.h"
 
 /* ---- the zip file: entries, deflated, and a directory of them */

@@ -1,12 +1,9 @@
 /* Numbers of the vertices of a mesh: which reader, and those of FreeSurfer's files (lh.curv, lh.aparc.annot),
  * big-endian. */
-#include <errno.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/decimal_point.h"
-#include "base/file.h"
 #include "grids/volume/scalar_load.h"
 #include "io/mesh/mesh_format.h"
 

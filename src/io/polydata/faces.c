@@ -2,8 +2,6 @@
  * same on every machine. */
 #include "io/polydata/faces.h"
 
-#include <math.h>
-
 #include "io/common/fans.h"
 
 /* ---- triangles */

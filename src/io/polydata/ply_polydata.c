@@ -1,7 +1,6 @@
 /* ply_polydata: vertices of PLY files with their properties, and the polylines of their edges (Turk 1994:
  * element "edge" with vertex1 and vertex2). */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "io/common/ply.h"

@@ -1,6 +1,5 @@
 /* polydata_lines: copies the points that polylines name, with their columns, so that every line has vertices
  * of its own. */
-#include <math.h>
 #include <string.h>
 
 #include "io/common/line_sink.h"

@@ -378,8 +378,7 @@ ISO_INLINE void convolve(const iso_discs_params *params, vf along, vf *disc) {
     disc[ISO_DISC_SHARE] = v_sqrt(scale);
 }
 
-/* Sets the remaining values of discs. Back-facing discs are no longer live (params->cull) or are flipped.
- */
+/* Sets the remaining values of discs. Back-facing discs are no longer live (params->cull) or are flipped. */
 ISO_INLINE void complete_discs(const iso_discs_params *params, const bool curved, const rf_lanes *lanes,
                                rf_facing *facing, rf_disc *disc) {
     vf *const to = disc->value, curve = v_set(0), sd[3] = {curve, curve, curve};

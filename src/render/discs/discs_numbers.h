@@ -1,5 +1,4 @@
-/* discs_numbers: the constants of the method discs (render/discs/discs.h), for C and GLSL.
- */
+/* discs_numbers: the constants of the method discs (render/discs/discs.h), for C and GLSL. */
 #ifndef ISO_RENDER_DISCS_DISCS_NUMBERS_H
 #define ISO_RENDER_DISCS_DISCS_NUMBERS_H
 

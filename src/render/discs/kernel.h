@@ -185,8 +185,7 @@ typedef struct iso_discs_patch {
     /* Of the front pass: the least depth of each pixel's front-facing discs; of its flipped ones, which are
      * in front where they are nearer than `facing_reach`; of its front-facing ones minus their thickness. */
     float *facing, *flipped, *facing_reach;
-    /* Discs whose centres lie deeper than the value for their cell are hidden. NULL: none is known to be.
-     */
+    /* Discs whose centres lie deeper than the value for their cell are hidden. NULL: none is known to be. */
     const float *hidden;
     iso_selection_counts *counts; /* what is looked at and drawn is added here */
     int shift, cells;             /* a cell is a square of 2^shift pixels a side; number of cells in a row */

@@ -6,8 +6,7 @@
 
 #include "render/discs/flat_simd.h"
 
-/* STEPS: pixels of a scattered disc's box, at most; WORDS: 32-bit words with a bit for
- * each. */
+/* STEPS: pixels of a scattered disc's box, at most; WORDS: 32-bit words with a bit for each. */
 enum { STEPS = ISO_DISCS_BOX * ISO_DISCS_BOX, WORDS = (STEPS + 31) / 32 };
 /* Adds `weight` times a record to a pixel's sums, which count as 0 unless `keep`. The record's last float is
  * replaced by `depth`. */

@@ -2,7 +2,6 @@
  * EGL 1.5 and the extensions EXT_platform_base, EXT_device_enumeration, EXT_platform_device,
  * MESA_platform_surfaceless. */
 #include <stdint.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "render/gl/platform.h"

@@ -96,9 +96,8 @@ typedef struct iso_gl_draw_opts {
     int surface_count, first_surface;
     bool keep; /* the gbuffer holds a picture: its samples are replaced where a surface is nearer */
     iso_point_scaling scaling;
-    /* For attenuated points: tangents of half the horizontal and vertical angle of view of the whole
-     * picture, of which `view` may be a part; k = 1 / (1 + tan_x^2 + tan_y^2). 0: `view` is the whole
-     * picture. */
+    /* For attenuated points: tangents of half the horizontal and vertical angle of view of the whole picture,
+     * of which `view` may be a part; k = 1 / (1 + tan_x^2 + tan_y^2). 0: `view` is the whole picture. */
     double tan_x, tan_y;
 } iso_gl_draw_opts;
 

@@ -1,5 +1,4 @@
 /* shapes_upload: copies a set of shapes to the GPU, in the order of its blocks. */
-#include <assert.h>
 #include <glad/gl.h>
 #include <string.h>
 

@@ -57,10 +57,9 @@
 #define ISO_GL_LAYER_BOUNDS 5
 #define ISO_GL_LAYERS 6
 #define ISO_GL_HITS 7 /* uvec4: depth, e, disc, whether it faces away */
-/* Of the selection of points (selection.h): least depths of each pixel's cells, in the order of their
- * bits; a bit for each point, 1: it is chosen; the numbers of the chosen points; commands that draw
- * points, and those that draw chosen ones; how many are chosen; the deepest front of each square of
- * pixels. */
+/* Of the selection of points (selection.h): least depths of each pixel's cells, in the order of their bits; a
+ * bit for each point, 1: it is chosen; the numbers of the chosen points; commands that draw points, and those
+ * that draw chosen ones; how many are chosen; the deepest front of each square of pixels. */
 #define ISO_GL_CELLS 1
 #define ISO_GL_MARKED 2
 #define ISO_GL_CHOSEN 3

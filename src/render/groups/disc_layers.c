@@ -1,8 +1,6 @@
 /* disc_layers: lists the layers of translucent surfaces of points band by band, and composites the bands. */
 #include "render/groups/disc_layers.h"
 
-#include <string.h>
-
 #include "render/groups/layer_lists.h"
 #include "render/layers/bands.h"
 

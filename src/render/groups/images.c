@@ -1,6 +1,5 @@
 /* images: makes a picture of each group of discs in a band, composited back to front, and averages the
  * pictures (Zhang and Pajarola 2006, algorithm 2). For algorithm 3, the nearest layer is drawn separately. */
-#include <string.h>
 
 #include "render/groups/disc_hits.h"
 #include "render/groups/layer_lists.h"

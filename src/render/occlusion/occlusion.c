@@ -154,16 +154,6 @@ static iso_status prepare_side(iso_occlusion *o, int number, iso_error *error) {
     return iso_visibility_create(side->bits, &disc, INFINITY, &side->key, error);
 }
 
-static size_t side_bytes(const iso_occlusion_side *side) {
-    return (side->inverse.words ? (size_t)iso_solid_bits_bytes(side->inverse.dims) : 0) +
-           (side->around ? iso_visibility_memory(side->around) : 0) +
-           (side->key ? iso_visibility_memory(side->key) : 0);
-}
-
-size_t iso_occlusion_bytes(const iso_occlusion *o) {
-    return side_bytes(&o->sides[ISO_SIDE_OUTER]) + side_bytes(&o->sides[ISO_SIDE_INNER]);
-}
-
 /* ---- places */
 
 static void set_way(const double inverse[9], spot *s) {

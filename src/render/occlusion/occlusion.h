@@ -58,7 +58,4 @@ iso_status iso_occlusion_light(iso_occlusion *occlusion, const iso_view *view, i
 iso_status iso_occlusion_at(iso_occlusion *occlusion, const float position[3], const float normal[3],
                             float *share, iso_error *error);
 
-/* Bytes that it takes beside the bits. */
-size_t iso_occlusion_bytes(const iso_occlusion *occlusion);
-
 #endif

@@ -197,18 +197,6 @@ void iso_visibility_destroy(iso_visibility *v) {
     iso_free(v);
 }
 
-size_t iso_visibility_memory(const iso_visibility *v) {
-    size_t bytes = group_count(v) * (sizeof *v->group + sizeof *v->wanted + sizeof *v->list);
-    for (size_t i = 0; i < group_count(v); i++) {
-        const iso_node_group *g = v->group[i];
-        if (!g) continue;
-        const size_t nodes =
-            g->first[ISO_VISIBILITY_ROWS - 1] + (size_t)__builtin_popcount(g->node[ISO_VISIBILITY_ROWS - 1]);
-        bytes += sizeof *g + nodes * sizeof *g->nodes;
-    }
-    return bytes;
-}
-
 /* The groups with voxels `lo` .. `hi` along an axis. */
 static void group_range(const iso_visibility *v, int axis, int lo, int hi, int range[2]) {
     static const int sizes[3] = {ISO_SOLID_WORD, ISO_VISIBILITY_Y, ISO_VISIBILITY_Z};

@@ -46,7 +46,4 @@ void iso_visibility_forget(iso_visibility *visibility, const int lo[3], const in
  * when it is asked for again. */
 iso_status iso_visibility_compute(iso_visibility *visibility, iso_pool *pool, iso_error *error);
 
-/* Bytes that the nodes take. */
-size_t iso_visibility_memory(const iso_visibility *visibility);
-
 #endif

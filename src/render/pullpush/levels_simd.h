@@ -160,9 +160,8 @@ ISO_INLINE void join_children(const pp_child child[4], const vf interval[4], con
 
 /* The same for several sets: those of the frontmost's set whose depth intervals overlap its and, of surfaces,
  * of the same side. Of ribbons, those which are within 45 degrees of it in the picture, as other parts of the
- * same line are; their normals are turned to its side.
- * Sets extent[0] and [1] to the interval that holds theirs, *hidden to 1 where another surface lies behind,
- * and *set to the frontmost's. */
+ * same line are; their normals are turned to its side. Sets extent[0] and [1] to the interval that holds
+ * theirs, *hidden to 1 where another surface lies behind, and *set to the frontmost's. */
 ISO_INLINE void join_intervals(pp_child child[4], vf share[4], vf extent[2], vf *hidden, vf *set,
                                const pp_sides sides) {
     vf front[3] = {child[0].value[0], child[0].value[1], child[0].value[2]},

@@ -1,10 +1,9 @@
 /* line_dropping: which vertices of lines a picture can do without (Marroquim, Kraus and Cavalcanti 2008,
  * section 4.1: a geometry shader "could drop any number of inner vertices of a polyline depending on a
- * specified level of detail").
- * A vertex is left out at a tolerance if its ball lies within that of the vertex before it that is kept,
- * enlarged by the tolerance; of a ribbon its edges as well. So neither the line nor its outline moves by
- * more than the tolerance. Vertices that are left out at a tolerance are left out at all larger ones,
- * with all that they stand for. */
+ * specified level of detail"). A vertex is left out at a tolerance if its ball lies within that of the vertex
+ * before it that is kept, enlarged by the tolerance; of a ribbon its edges as well. So neither the line nor
+ * its outline moves by more than the tolerance. Vertices that are left out at a tolerance are left out at all
+ * larger ones, with all that they stand for. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,8 +4,6 @@
  * compilers vectorise. */
 #include "render/raster/points_kernel.h"
 
-#include <string.h>
-
 #include "base/point_code_simd.h"
 #include "base/simd.h"
 

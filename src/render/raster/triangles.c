@@ -2,7 +2,6 @@
  * position are adjacent. */
 #include "render/raster/triangles.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

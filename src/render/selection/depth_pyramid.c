@@ -1,8 +1,6 @@
 /* depth_pyramid: the maxima of squares of 8 x 8 pixels, and of four cells each above them. */
 #include "render/selection/depth_pyramid.h"
 
-#include <assert.h>
-
 static float greater(float a, float b) {
     return a > b ? a : b;
 }

@@ -64,8 +64,7 @@ typedef struct iso_instances {
     const iso_instance_engine *engine; /* NULL: the cpu */
 } iso_instances;
 
-/* Working memory, kept from one picture to the next. Zero-initialise; free with
- * iso_instance_drawing_free. */
+/* Working memory, kept from one picture to the next. Zero-initialise; free with iso_instance_drawing_free. */
 typedef struct iso_instance_drawing {
     iso_point_workspace *workspace;
     iso_depth_pyramid pyramid;

@@ -3,7 +3,6 @@
  * points, so that all spans can be written in parallel. */
 #include "render/selection/lod.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -18,10 +18,9 @@
 enum { ISO_EYE_DOME_RINGS = 3, ISO_EYE_DOME_REACH = 1 << (ISO_EYE_DOME_RINGS - 1) };
 #define ISO_EYE_DOME_STRENGTH 3.5f
 
-/* Sets gbuffer->light of rows first .. last, which has been allocated, from the depths of
- * these rows and of ISO_EYE_DOME_REACH * factor rows above and below them, as far as there are any. A
- * pixel is factor x factor samples. The bytes are the same for every instruction set and number of
- * threads. */
+/* Sets gbuffer->light of rows first .. last, which has been allocated, from the depths of these rows and of
+ * ISO_EYE_DOME_REACH * factor rows above and below them, as far as there are any. A pixel is factor x factor
+ * samples. The bytes are the same for every instruction set and number of threads. */
 void iso_eye_dome_light(const iso_view *view, int factor, int first, int last, const iso_gbuffer *gbuffer,
                         iso_pool *pool);
 

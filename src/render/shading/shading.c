@@ -1,5 +1,4 @@
-/* shading: prepares colours, and shades bands of rows with all threads. The kernel is
- * shading_kernel.c. */
+/* shading: prepares colours, and shades bands of rows with all threads. The kernel is shading_kernel.c. */
 #include "render/shading/shading.h"
 
 #include <assert.h>

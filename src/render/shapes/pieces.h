@@ -38,10 +38,9 @@ typedef struct iso_shapes_pieces {
     bool full;   /* pieces were left out */
 } iso_shapes_pieces;
 
-/* Prepares to list a rectangle. frame: NULL for meshes. limit:
- * NULL, or the depth of what is opaque behind each sample, `pitch` items from row to row, at the rectangle's
- * first sample: pieces that begin there or behind are left out, as are those that end before the near plane.
- * ISO_ERR_NOMEM. */
+/* Prepares to list a rectangle. frame: NULL for meshes. limit: NULL, or the depth of what is opaque behind
+ * each sample, `pitch` items from row to row, at the rectangle's first sample: pieces that begin there or
+ * behind are left out, as are those that end before the near plane. ISO_ERR_NOMEM. */
 iso_status iso_shapes_pieces_begin(iso_shapes_pieces *pieces, const iso_shapes_frame *frame,
                                    const iso_shapes_rect *rect, const float *limit, size_t pitch);
 /* Removes the pieces that are not needed any more, and those that begin at the limits of their samples or

@@ -9,13 +9,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/c_linkage.h"
 #include "base/geometry.h"
 #include "base/status.h"
 #include "isopoint.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* The tools: X(enumerator, name in stroke files). ADD to BLEND_CARVE are set operations with a solid, SMOOTH
  * to MOVE deform the surface, those of the mask change only it, and PAINT only the paint. */
@@ -128,7 +127,5 @@ int iso_brush_images(const iso_brush *brush, iso_brush_image images[ISO_IMAGES_M
 iso_vec3 iso_brush_image_point(const iso_brush_image *image, iso_vec3 point);
 iso_vec3 iso_brush_image_direction(const iso_brush_image *image, iso_vec3 direction);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -7,15 +7,14 @@
 #ifndef ISO_SCULPT_BRUSH_STAMP_H
 #define ISO_SCULPT_BRUSH_STAMP_H
 
+#include "base/c_linkage.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "grids/closing/closed_mesh.h"
 #include "grids/hgrid.h"
 #include "sculpt/brush/voxel_set.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* ISO_STAMP_FIRST: voxels along the longest side in the coarsest level; each finer level has twice as many
  * (8, 16, .. 128). Detail below the finest voxels is lost. ISO_STAMP_NAME: size of the name in bytes. */
@@ -77,7 +76,5 @@ iso_status iso_stamp_parse_picture(const char *name, int width, int height, cons
 iso_status iso_stamp_parse_voxels(const char *name, const iso_voxel_set *frame, const char *text,
                                   iso_stamp **stamp, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -7,12 +7,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "base/geometry.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* The largest number of voxels. */
 enum { ISO_VOXEL_SET_MOST = 1 << 28 };
@@ -42,7 +41,5 @@ uint8_t *iso_voxel_set_pack(const iso_voxel_set *set, size_t *size);
 /* Reads them into an initialised set. Returns false if they are not as many as the grid has voxels. */
 bool iso_voxel_set_unpack(const uint8_t *bytes, size_t size, iso_voxel_set *set);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

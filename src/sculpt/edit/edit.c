@@ -6,7 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/numbers.h"
 #include "sculpt/edit/area_plane.h"
 #include "sculpt/edit/editor.h"
 #include "sculpt/edit/mask_rewrite.h"

@@ -12,11 +12,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/c_linkage.h"
 #include "base/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Zero-initialise; iso_cell_items_free when done. */
 typedef struct iso_cell_items {
@@ -71,7 +70,5 @@ void iso_field_items_free(iso_field_items *items);
 void iso_field_items_clear(iso_field_items *items);
 iso_status iso_field_items_copy(const iso_field_items *items, iso_field_items *copy, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -8,13 +8,12 @@
 #ifndef ISO_SCULPT_FIELD_PAINT_H
 #define ISO_SCULPT_FIELD_PAINT_H
 
+#include "base/c_linkage.h"
 #include "base/geometry.h"
 #include "base/primitives.h"
 #include "sculpt/field/cell_items.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef struct iso_paint_item {
     uint32_t voxel[ISO_BRICK_VOXELS];
@@ -66,7 +65,5 @@ struct iso_volume_opts;
 iso_status iso_paint_read(const char *path, const struct iso_volume_opts *opts, iso_cell_items *paint,
                           iso_paint_file *file, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -1,5 +1,4 @@
 /* redistance_kernel: restores distances in the bricks that an edit has changed (redistance.h). */
-#include <math.h>
 #include <string.h>
 
 #include "base/simd.h"

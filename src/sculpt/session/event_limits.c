@@ -1,8 +1,6 @@
 /* Checks the numbers of a stroke file against the table of limits.h. */
 #include "sculpt/session/event_limits.h"
 
-#include <string.h>
-
 #include "grids/hgrid.h"
 #include "sculpt/limits.h"
 

@@ -5,12 +5,11 @@
 #ifndef ISO_SCULPT_SESSION_HISTORY_H
 #define ISO_SCULPT_SESSION_HISTORY_H
 
+#include "base/c_linkage.h"
 #include "grids/hgrid.h"
 #include "sculpt/edit/edit.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef struct iso_history iso_history;
 
@@ -66,7 +65,5 @@ const char *iso_history_name(const iso_history *history, size_t step);
 size_t iso_history_bytes(const iso_history *history);   /* packed bytes in memory */
 size_t iso_history_spilled(const iso_history *history); /* bytes of the spill file */
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

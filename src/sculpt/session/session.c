@@ -1,7 +1,6 @@
 /* The session: strokes, undo steps, the journal with its checkpoints, and resuming from a journal. */
 #include "sculpt/session/session.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

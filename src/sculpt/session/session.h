@@ -4,15 +4,14 @@
 #ifndef ISO_SCULPT_SESSION_SESSION_H
 #define ISO_SCULPT_SESSION_SESSION_H
 
+#include "base/c_linkage.h"
 #include "sculpt/edit/edit.h"
 #include "sculpt/field/snapshot.h"
 #include "sculpt/session/history.h"
 #include "sculpt/session/journal.h"
 #include "sculpt/session/versions.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 typedef struct iso_session iso_session;
 
@@ -96,9 +95,8 @@ const iso_event *iso_session_last_edit(const iso_session *session);
 unsigned iso_session_stroke_at(const iso_session *session, iso_vec3 place);
 /* Changes whenever the strokes do. */
 size_t iso_session_stroke_changes(const iso_session *session);
-/* Lists the strokes that the field is made of (zero-initialise `list`; iso_stroke_list_free). Its
- * pointers are valid until the session changes. ISO_ERR_USAGE: the session began with a checkpoint;
- * ISO_ERR_NOMEM. */
+/* Lists the strokes that the field is made of (zero-initialise `list`; iso_stroke_list_free). Its pointers
+ * are valid until the session changes. ISO_ERR_USAGE: the session began with a checkpoint; ISO_ERR_NOMEM. */
 iso_status iso_session_strokes(const iso_session *session, iso_stroke_list *list, iso_error *error);
 iso_versions_stats iso_session_edit_stats(const iso_session *session); /* all 0 before the first edit */
 
@@ -125,7 +123,5 @@ iso_status iso_session_sync(iso_session *session, iso_error *error);
 iso_status iso_session_play(iso_session *session, const iso_event *event, iso_edit_stats *stats,
                             iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -103,8 +103,7 @@ static iso_status choose_grid(const iso_start_solid *solid, iso_journal_start *s
         if (!(voxels <= ISO_HGRID_MAX))
             return iso_fail(
                 error, ISO_ERR_LIMIT,
-                "a %s of %g mm in voxels of %g mm: its grid would have %g of them along %c, at most "
-                "%d",
+                "a %s of %g mm in voxels of %g mm: its grid would have %g of them along %c, at most %d",
                 iso_solid_name(solid->kind), longest, voxel, voxels, "xyz"[axis], ISO_HGRID_MAX);
         start->dims[axis] = (int)voxels;
         origin[axis] = -0.5 * (voxels - 1) * voxel;
@@ -124,8 +123,7 @@ iso_status iso_start_with_solid(const iso_start_solid *given, double voxel, iso_
     if (iso_start_solid_check(&solid, start->voxel_size, error) != ISO_OK) return ISO_ERR_USAGE;
     if (thickness_of(&solid) < 2 * start->voxel_size)
         return iso_fail(error, ISO_ERR_USAGE,
-                        "a %s that is %g mm thick needs voxels of at most half of that, "
-                        "not %g mm",
+                        "a %s that is %g mm thick needs voxels of at most half of that, not %g mm",
                         iso_solid_name(solid.kind), thickness_of(&solid), start->voxel_size);
     ISO_TRY(choose_grid(&solid, start, error));
     strcpy(start->source, sphere ? BALL : iso_solid_name(solid.kind));

@@ -2,14 +2,13 @@
 #ifndef ISO_SCULPT_SESSION_START_SOLID_H
 #define ISO_SCULPT_SESSION_START_SOLID_H
 
+#include "base/c_linkage.h"
 #include "base/geometry.h"
 #include "base/status.h"
 #include "grids/hgrid.h"
 #include "isopoint_sculpt.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 struct iso_journal_start;
 
@@ -41,7 +40,5 @@ iso_start_solid iso_start_get_solid(const struct iso_journal_start *start);
  * *grid. ISO_ERR_USAGE: a size that is not positive; ISO_ERR_LIMIT, ISO_ERR_NOMEM. */
 iso_status iso_session_solid(const struct iso_journal_start *start, iso_hgrid **grid, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

@@ -5,12 +5,11 @@
 #ifndef ISO_SCULPT_SESSION_STROKE_LIST_H
 #define ISO_SCULPT_SESSION_STROKE_LIST_H
 
+#include "base/c_linkage.h"
 #include "base/memory.h"
 #include "sculpt/session/journal.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* A stroke of the list. Pointers are valid until the log changes. */
 typedef struct iso_stroke {
@@ -73,7 +72,5 @@ void iso_stroke_log_redo(iso_stroke_log *log);
  * edit names a stroke that is not in the list; ISO_ERR_NOMEM. */
 iso_status iso_stroke_log_resolve(const iso_stroke_log *log, iso_stroke_list *list, iso_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

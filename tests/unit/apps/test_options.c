@@ -240,7 +240,7 @@ static void test_usage_errors(void **state) {
     expect_failure("x.vti --no-image", ISO_ERR_USAGE, "nothing to do");
     expect_failure("--backend glx x.vti", ISO_ERR_BACKEND, "no backend 'glx'");
     expect_failure("--backend egl --method raycast x.vti", ISO_ERR_USAGE,
-                   "methods points, pullpush, discs, splats, mesh and hybrid");
+                   "--method points, pullpush, discs, splats (groups, flat or ewa), mesh or hybrid");
     expect_failure("--backend cpu --point-scaling attenuated x.vti", ISO_ERR_USAGE,
                    "--backend egl or osmesa");
 }

@@ -8,9 +8,9 @@
 #include <cmocka.h>
 
 #include "check_support.h"
-#include "compare/study.h"
 #include "grids/scenes/scenes.h"
 #include "scene/method.h"
+#include "study_support.h"
 
 /* ---- views ---- */
 

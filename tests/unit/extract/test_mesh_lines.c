@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "check_support.h"
 #include "extract/lines/mesh_lines.h"
-#include "grids/scenes/scene_tree.h"
+#include "scene_tree.h"
 
 enum { MOST_VERTICES = 20000, MOST_TRIANGLES = 40000 };
 

@@ -4,8 +4,8 @@
  * Source: Weber and Penn 1995, "Creation and rendering of realistic trees" (SIGGRAPH), simplified: stems of
  * four levels that curve, taper and carry the stems of the next level at the golden angle; no splitting, no
  * pruning. The same tree on every machine. */
-#ifndef ISO_GRIDS_SCENES_SCENE_TREE_H
-#define ISO_GRIDS_SCENES_SCENE_TREE_H
+#ifndef ISO_TESTS_SCENE_TREE_H
+#define ISO_TESTS_SCENE_TREE_H
 
 #include "base/lines.h"
 #include "base/primitives.h"

@@ -1,5 +1,5 @@
 /* scene_tree: grows stems level by level, each as a line and as rings of triangles around it. */
-#include "grids/scenes/scene_tree.h"
+#include "scene_tree.h"
 
 #include <math.h>
 #include <string.h>
