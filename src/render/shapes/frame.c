@@ -151,8 +151,9 @@ static void sort_digit(const place *from, place *to, size_t count, int shift) {
 static iso_status sort_seen(iso_shapes_frame *frame, iso_error *error) {
     const size_t count = frame->seen_count;
     iso_shapes_seen *sorted = iso_alloc(count * sizeof *sorted);
-    place *places = iso_alloc(2 * count * sizeof *places), *from = places, *to = places + count;
+    place *places = iso_alloc(2 * count * sizeof *places), *from = places;
     const bool ready = sorted && places;
+    place *to = ready ? places + count : NULL;
     for (size_t i = 0; i < count && ready; i++)
         from[i] = (place){sort_key(frame->seen[i].nearest), (uint32_t)i};
     for (int digit = 0; digit < DIGITS && ready; digit++) {
