@@ -16,7 +16,8 @@ enum { ISO_SMOOTH_MOST = 1000 };
  * mesh is smoothed, and its triangles are joined. All zero, or NULL: as iso_surface_mesh makes it. Closed
  * meshes stay closed. */
 typedef struct iso_surface_mesh_opts {
-    /* The solid ends at the volume's border, where it gets flat caps. Voxels that are no numbers are outside. */
+    /* The solid ends at the volume's border, where it gets flat caps; voxels that are no numbers are
+     * outside. */
     bool closed;
     double hollow; /* thickness, mm, of the wall that is left of the solid, measured from the trilinear
                       surface; the solid is closed before. 0: it is not hollow */

@@ -1,5 +1,6 @@
-/* reference_job: makes the reference of a document in a background thread: from files, from the other
- * labels of the segmentation, or from the field that its session began with, which is made anew from what the journal's header says, as for a replay. */
+/* reference_job: makes the reference of a document in a background thread: from files, from the other labels
+ * of the segmentation, or from the field that its session began with, which is made anew from what the
+ * journal's header says, as for a replay. */
 #ifndef ISO_APPS_ISOSCULPT_REFERENCE_JOB_H
 #define ISO_APPS_ISOSCULPT_REFERENCE_JOB_H
 

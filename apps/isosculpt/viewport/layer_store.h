@@ -41,8 +41,7 @@ typedef struct isosculpt_layer_surface {
 } isosculpt_layer_surface;
 
 /* Lists the layers of the surface in a view, except those behind 60 or more others. Old layers are freed
- * first. ISO_ERR_NOMEM: out of memory, or more than most_bytes; nothing is stored
- * then. */
+ * first. ISO_ERR_NOMEM: out of memory, or more than most_bytes; nothing is stored then. */
 iso_status isosculpt_layer_store_list(isosculpt_layer_store *store, const isosculpt_layer_surface *surface,
                                       const iso_view *view, iso_pool *pool, iso_error *error);
 /* Lists only the front layer of the surface. This takes a fraction of the time, because cells behind others

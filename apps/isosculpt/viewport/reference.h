@@ -1,6 +1,7 @@
 /* reference: the reference that is drawn together with the sculpture: a translucent surface (x-ray), which is
- * either the sculpture's surface at the beginning of the session, that of a file or that of other labels, or
- * lines and glyphs of files. It is shown whole, or only where it lies in front of the sculpture. Picking ignores it.
+ * the sculpture's surface at the beginning of the session, that of a file or that of other labels, or lines
+ * and glyphs of files. It is shown whole, or only where it lies in front of the sculpture. Picking ignores
+ * it.
  *
  * Its layers are listed once for each camera and kept (layer_store.h); after a stroke they are blended again
  * only where the picture changed. While the camera moves they are listed for fewer samples or, if this takes
