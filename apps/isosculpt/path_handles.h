@@ -6,10 +6,9 @@
 #include <stddef.h>
 
 #include "apps/isosculpt/viewport/viewport.h"
+#include "base/c_linkage.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* The largest number of handles; the radius within which the pointer takes one, in pixels at scale 1. */
 enum { ISOSCULPT_HANDLES = 9 };
@@ -49,7 +48,5 @@ struct isosculpt_controller;
 void isosculpt_bending_take(struct isosculpt_controller *controller, int handle);
 void isosculpt_bending_release(struct isosculpt_controller *controller, bool cancel);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif

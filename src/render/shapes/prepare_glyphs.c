@@ -1,5 +1,6 @@
 /* prepare_glyphs: sorts glyphs into blocks and stores their positions relative to them. */
 #include <math.h>
+#include <string.h>
 
 #include "base/cpu.h"
 #include "base/memory.h"
