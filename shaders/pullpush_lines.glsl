@@ -60,6 +60,10 @@ bool is_thin(uint number) {
     return (fragments[number - 1u].more.w & 0x100u) != 0u;
 }
 
+uint line_of(uint number) {
+    return fragments[number - 1u].more.w >> 16;
+}
+
 /* The fragment that link k of another one leads to. */
 uint linked(uint from, uint k) {
     int cell = int(k) + int(k > 3u);
@@ -89,15 +93,16 @@ int finer_pixels() {
     return 1 << max(level - 1 - lattice.x, 0);
 }
 
-/* Whether two fragments that are near each other in the picture continue each other in depth. */
+/* Whether two fragments that are near each other in the picture continue each other. */
 bool follow(uint a, uint b) {
     float between = abs(depth_of(a) - depth_of(b));
-    return between <= interval_of(a) || between <= interval_of(b);
+    return line_of(a) == line_of(b) && (between <= interval_of(a) || between <= interval_of(b));
 }
 
 bool is_same_line(uint a, uint b, int window) {
     ivec2 between = abs(pixel_of(a) - pixel_of(b));
-    return max(between.x, between.y) <= window && abs(depth_of(a) - depth_of(b)) <= interval_of(a);
+    return max(between.x, between.y) <= window && line_of(a) == line_of(b) &&
+           abs(depth_of(a) - depth_of(b)) <= interval_of(a);
 }
 
 /* Of a fragment and those that `links` links it to, the nearest. */

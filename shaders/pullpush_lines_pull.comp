@@ -16,23 +16,23 @@ void main() {
 #else
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 
-/* Of some fragments those that lie behind `front`, and of those the ones within the interval behind the
- * frontmost: the one nearest to `at`. */
-uint choose(uint children[8], vec2 at, float front, out float limit) {
-    uint chosen = 0u;
-    float low = INFINITE, least = INFINITE;
-    limit = INFINITE;
+/* Whether a fragment is of the line of `front` (0: none) and within its interval. */
+bool is_of_front(uint number, uint front) {
+    return front != 0u && line_of(number) == line_of(front) &&
+           depth_of(number) <= depth_of(front) + interval_of(front);
+}
+
+/* Of some fragments, but for those of `front`, the line of the frontmost: of its fragments within the interval
+ * behind it, the one nearest to `at`. */
+uint choose(uint children[8], vec2 at, uint front) {
+    uint chosen = 0u, first = 0u;
+    float least = INFINITE;
+    for (int k = 0; k < 8; k++)
+        if (children[k] != 0u && !is_of_front(children[k], front) &&
+            (first == 0u || depth_of(children[k]) < depth_of(first)))
+            first = children[k];
     for (int k = 0; k < 8; k++) {
-        if (children[k] == 0u) continue;
-        float depth = depth_of(children[k]);
-        if (depth >= low || depth <= front) continue;
-        low = depth;
-        limit = low + interval_of(children[k]);
-    }
-    for (int k = 0; k < 8 && low < INFINITE; k++) {
-        if (children[k] == 0u) continue;
-        float depth = depth_of(children[k]);
-        if (depth > limit || depth <= front) continue;
+        if (children[k] == 0u || is_of_front(children[k], front) || !is_of_front(children[k], first)) continue;
         vec2 away = at - spot_of(children[k]);
         float square = dot(away, away);
         if (square >= least) continue;
@@ -53,15 +53,14 @@ void main() {
     places[place(level, at)] = uvec2(base_number(at), 0u);
 #else
     uint children[8];
-    float limit, unused;
     for (int k = 0; k < 4; k++) {
         uvec2 numbers = child(2 * at + ivec2(k & 1, k >> 1));
         children[k] = numbers.x;
         children[k + 4] = numbers.y;
     }
     vec2 centre = (vec2(at) + 0.5) * float(1 << level);
-    uint front = choose(children, centre, -INFINITE, limit);
-    places[place(level, at)] = uvec2(front, choose(children, centre, limit, unused));
+    uint front = choose(children, centre, 0u);
+    places[place(level, at)] = uvec2(front, front != 0u ? choose(children, centre, front) : 0u);
 #endif
 }
 #endif

@@ -29,7 +29,7 @@ static iso_gl_line_fragment make_fragment(const iso_line_fragment *f) {
         .shape = {f->shape[0], f->shape[1], f->shape[2], f->end},
         .way = {f->n[0], f->n[1], f->n[2], f->cosine},
         .more = {(unsigned)f->column | (unsigned)f->row << 16, 0, f->color,
-                 f->links | (f->thin ? 256u : 0u)}};
+                 f->links | (f->thin ? 256u : 0u) | (unsigned)f->line << 16}};
     memcpy(&made.more[1], &f->sine, sizeof f->sine);
     return made;
 }

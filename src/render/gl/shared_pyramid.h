@@ -30,7 +30,8 @@
     ISO_GL_FLOATS(along);   /* form; radius, mm */                                                           \
     ISO_GL_FLOATS(shape);   /* matrix; distance to the nearer end of the leg, mm */                          \
     ISO_GL_FLOATS(way);     /* tangent or normal; cosine of twice the angle in the picture */                \
-    ISO_GL_UINTS(more);     /* column and row; bits of the sine; colour; links, and 256: it is thin */
+    /* column and row; bits of the sine; colour; links, 256: it is thin, and from bit 16 on the line */      \
+    ISO_GL_UINTS(more);
 
 /* Several sets (render/pullpush/sets.h): storage buffers: iso_gl_set_fragment; their numbers in the pixels of
  * the base level (uint); the pixels of all levels above 0. */

@@ -198,6 +198,7 @@ typedef struct segment {
     double direction[3];  /* unit, view space */
     double before, after; /* from a and b to the ends of the leg, mm */
     double length;        /* mm */
+    size_t line;          /* of ribbons: the number of the line; tubes may go on in others, as trees' do */
     double curve;         /* radius of curvature, mm */
     bool flat[2];         /* the line ends there, and flat */
 } segment;
@@ -357,7 +358,10 @@ static void draw_fragment(const line_pen *pen, const segment *s, double u, doubl
     const int64_t made = depth + key_payload(pen->frame->normal, &p, x, y);
     if (made >= *key) return;
     *key = made;
-    if (pen->pyramid->index) pen->pyramid->index[there] = ISO_INDEX_NONE;
+    /* of lines alone the index has the line's number, until fragments are numbered (line_graph.h) */
+    const bool alone = pen->pyramid->layout.planes >> ISO_PLANE_PLACE & 1;
+    if (pen->pyramid->index)
+        pen->pyramid->index[there] = alone ? (int32_t)(s->line & INT32_MAX) : ISO_INDEX_NONE;
     write_planes(pen, s, &p, u, (size_t)row * pen->level->stride + (size_t)column);
 }
 
@@ -408,6 +412,16 @@ static void draw_segment(const line_pen *pen, segment *s, bool last) {
     }
 }
 
+/* The line that has a vertex. */
+static size_t line_of(const iso_lines *lines, size_t vertex) {
+    size_t low = 0, high = lines->line_count; /* the line is one of low .. high - 1 */
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        *(lines->starts[middle] <= vertex ? &low : &high) = middle;
+    }
+    return low;
+}
+
 /* Draws the segments of a run between the vertices that are not dropped at a level: those at which runs begin
  * and lines end never are. */
 static void draw_run(const line_pen *pen, size_t run, uint8_t level) {
@@ -415,11 +429,14 @@ static void draw_run(const line_pen *pen, size_t run, uint8_t level) {
     const size_t first = run * ISO_LINE_RUN, count = set->lines.vertex_count,
                  end = count - first < ISO_LINE_RUN ? count : first + ISO_LINE_RUN;
     const bool flat = set->opts.style == ISO_LINE_RIBBON || set->opts.caps == ISO_CAPS_FLAT;
+    size_t line = line_of(&set->lines, first);
     place next; /* the last vertex that was placed */
     for (size_t i = first, to; i < end; i = to) {
         segment s;
         to = i + 1;
         if (!set->segments[i]) continue;
+        while (set->lines.starts[line + 1] <= i) line++;
+        s.line = set->opts.style == ISO_LINE_RIBBON ? line : 0;
         while (to < end && set->segments[to] && set->drop[to] <= level) to++;
         if (i == first || !set->segments[i - 1]) place_vertex(pen->frame, i, &next);
         s.a = next;

@@ -57,7 +57,7 @@ static void set_direction(const iso_pullpush_params *params, int64_t key, iso_li
     for (int k = 0; k < 3; k++) f->n[k] = (float)(n[k] / length);
 }
 
-static void make_fragment(const iso_pullpush_params *params, int x, int y, int64_t key,
+static void make_fragment(const iso_pullpush_params *params, int x, int y, int64_t key, int32_t line,
                           iso_line_fragment *f) {
     const iso_pyramid *p = params->pyramid;
     const iso_pyramid_level *base = &p->level[p->layout.base];
@@ -72,6 +72,7 @@ static void make_fragment(const iso_pullpush_params *params, int x, int y, int64
                              .sine = plane[ISO_PLANE_TWICE_Y][at],
                              .column = x,
                              .row = y,
+                             .line = (uint16_t)line,
                              .key = (uint32_t)((size_t)y * p->key_stride + (size_t)x),
                              .radius = plane[ISO_PLANE_RADIUS][at],
                              .end = plane[ISO_PLANE_ROOM][at]};
@@ -93,7 +94,7 @@ void iso_line_graph_make_rows(const iso_pullpush_params *params, iso_rows rows) 
             if (!p->used[(size_t)(y / 2) * pieces + i]) continue;
             for (size_t x = i * ISO_KEY_PIECE; x < (i + 1) * ISO_KEY_PIECE; x++) {
                 if (p->keys[at + x] == ISO_KEY_NONE) continue;
-                make_fragment(params, (int)x, y, p->keys[at + x], &fragments[number]);
+                make_fragment(params, (int)x, y, p->keys[at + x], p->index[at + x], &fragments[number]);
                 p->index[at + x] = number++;
             }
         }

@@ -27,6 +27,7 @@ struct iso_line_fragment {
     /* Bit k is set: the k-th of the eight pixels around, row by row, has a fragment that continues it. */
     uint8_t links;
     bool thin;             /* the ellipse is less than ISO_LINE_THIN pixels of level 0 wide */
+    uint16_t line;         /* segment.line of line_fragments.c, modulo 2^16: if they differ, lines do */
     float depth, interval; /* mm */
     int32_t column, row;   /* its pixel of the base level */
     float cosine, sine;    /* of twice the angle of the line's direction in the picture */
@@ -39,10 +40,11 @@ struct iso_line_fragment {
 
 enum { ISO_LINE_THIN = 4 };
 
-/* Whether two fragments that are near each other in the picture continue each other in depth. */
+/* Whether two fragments that are near each other in the picture continue each other: they are of one line,
+ * and near in depth. */
 static inline bool iso_line_fragments_follow(const iso_line_fragment *a, const iso_line_fragment *b) {
     const float step = fabsf(a->depth - b->depth);
-    return step <= a->interval || step <= b->interval;
+    return a->line == b->line && (step <= a->interval || step <= b->interval);
 }
 
 static inline double iso_line_form_at(const iso_line_form *form, double x, double y) {

@@ -172,24 +172,28 @@ static void unpack_keys(const iso_pullpush_params *params, iso_rows rows) {
     }
 }
 
-/* Of some fragments those that lie behind `front`, and of those the ones within the interval behind the
- * frontmost: the one nearest to `at`. 0: there is none. Sets *limit to where the interval ends. */
+/* Whether a fragment is of the line of `front` and within its interval. */
+static bool is_of_front(const iso_line_fragment *f, const iso_line_fragment *front) {
+    return front && f->line == front->line && f->depth <= front->depth + front->interval;
+}
+
+/* Of some fragments, but for those of `front` (NULL: all), the line of the frontmost: of its fragments within
+ * the interval behind it, the one nearest to `at`. 0: there is none. Lines are told apart by their numbers,
+ * not by their depths: of two within one interval, as wide ribbons over each other are, one would be lost. */
 static int32_t choose(const line_levels *l, const int32_t *places, int count, const double at[2],
-                      double front, double *limit) {
+                      const iso_line_fragment *front) {
     int32_t chosen = 0;
-    double low = INFINITY, least = INFINITY;
-    *limit = INFINITY;
+    double least = INFINITY;
+    const iso_line_fragment *first = NULL;
     for (int k = 0; k < count; k++) {
         if (!places[k]) continue;
         const iso_line_fragment *f = &l->fragments[places[k] - 1];
-        if ((double)f->depth >= low || (double)f->depth <= front) continue;
-        low = (double)f->depth;
-        *limit = low + (double)f->interval;
+        if (!is_of_front(f, front) && (!first || f->depth < first->depth)) first = f;
     }
-    for (int k = 0; k < count && low < INFINITY; k++) {
+    for (int k = 0; k < count && first; k++) {
         if (!places[k]) continue;
         const iso_line_fragment *f = &l->fragments[places[k] - 1];
-        if ((double)f->depth > *limit || (double)f->depth <= front) continue;
+        if (is_of_front(f, front) || !is_of_front(f, first)) continue;
         const double x = at[0] - (double)f->x, y = at[1] - (double)f->y, square = x * x + y * y;
         if (square >= least) continue;
         least = square;
@@ -232,13 +236,12 @@ static void pull_row(const line_levels *l, int level, int y) {
             *behind = places_of(p, level, ISO_PLANE_BEHIND) + (size_t)y * to->stride;
     for (int x = 0; x < to->width; x++) {
         int32_t child[8];
-        double limit, unused;
         out[x] = behind[x] = 0;
         if (keys && !used[2 * x / ISO_KEY_PIECE]) continue;
         if (!read_children(p, level, x, y, child)) continue;
         const double at[2] = {size * (x + 0.5), size * (y + 0.5)};
-        out[x] = choose(l, child, 8, at, -INFINITY, &limit);
-        behind[x] = choose(l, child, 8, at, limit, &unused);
+        out[x] = choose(l, child, 8, at, NULL);
+        if (out[x]) behind[x] = choose(l, child, 8, at, &l->fragments[out[x] - 1]);
     }
 }
 
@@ -268,7 +271,7 @@ static bool may_reach(const sight *s, double margin, double bend) {
  * pixels of the base level of each other, and in one depth interval. */
 static bool is_same_line(const iso_line_fragment *f, const iso_line_fragment *other, int window) {
     return abs(f->column - other->column) <= window && abs(f->row - other->row) <= window &&
-           fabsf(f->depth - other->depth) <= f->interval;
+           f->line == other->line && fabsf(f->depth - other->depth) <= f->interval;
 }
 
 /* The fragments of the corners of a cell of a level, one of each line, the front ones first. Returns their

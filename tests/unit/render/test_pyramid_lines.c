@@ -289,6 +289,33 @@ static void test_twisted(void **state) {
     scene.lines.normals = NULL;
 }
 
+/* Wide ribbons that lie close over each other, at small angles in the picture: nearer in depth than they are
+ * wide, so that only their lines' numbers tell them apart. */
+static void test_stacked(void **state) {
+    (void)state;
+    float normals[16][3];
+    test_lines_start(&scene, 0, 0, 0);
+    for (int i = 0; i < 8; i++)
+        for (int end = 0; end < 2; end++) {
+            test_lines_add(&scene, end ? 9 : -9, (end ? 1 : -1) * (i * 5 % 8 - 3.5) * 0.6, 0.3 * i, 1.5);
+            normals[2 * i + end][0] = 0, normals[2 * i + end][1] = 0.3f * (float)(i % 3 - 1);
+            normals[2 * i + end][2] = 1;
+            if (end) test_lines_end(&scene);
+        }
+    scene.lines.radii = NULL;
+    scene.lines.normals = normals;
+    const iso_shapes_opts opts = {.radius = 1.5, .style = ISO_LINE_RIBBON, .min_pixels = 1};
+    for (int parallel = 0; parallel < 2; parallel++) {
+        iso_view view = test_shapes_view(scene.lines.origin, iso_vec3_make(5, 3, -80), 24, parallel);
+        view = iso_view_scaled(&view, 4);
+        const measures m = measure(&view, &opts);
+        print_message("stacked ribbons: depth %.4f r, normal %.2f degrees, %zu of %zu samples\n", m.depth,
+                      m.normal, m.both, m.wanted);
+        assert_true(m.depth <= 0.21 && (double)m.both >= 0.98 * (double)m.wanted);
+    }
+    scene.lines.normals = NULL;
+}
+
 /* ---- special places */
 
 /* A line of one pixel before a wall and behind it: coarser pixels know the wall only. */
@@ -596,7 +623,7 @@ int main(void) {
         cmocka_unit_test(test_end_on),     cmocka_unit_test(test_near),
         cmocka_unit_test(test_reversed),   cmocka_unit_test(test_illuminated),
         cmocka_unit_test(test_same_bytes), cmocka_unit_test(test_dropping),
-        cmocka_unit_test(test_bad_lines),
+        cmocka_unit_test(test_bad_lines),  cmocka_unit_test(test_stacked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
