@@ -24,6 +24,13 @@ typedef enum isosculpt_x_ray {
     ISOSCULPT_X_RAY_OVER
 } isosculpt_x_ray;
 
+/* A reference picture behind the sculpture: FILE.png,AXIS,HEIGHT. */
+typedef struct isosculpt_picture_request {
+    char path[1024]; /* "": none */
+    char axis;       /* 'x', 'y' or 'z' */
+    double height;   /* mm */
+} isosculpt_picture_request;
+
 /* Strings are borrowed from argv. */
 typedef struct isosculpt_settings {
     iso_common_settings common;  /* first; `input` says how the opened file is read */
@@ -42,13 +49,14 @@ typedef struct isosculpt_settings {
     int backend;          /* isosculpt_backend */
     int x_ray;            /* isosculpt_x_ray */
     iso_texts references; /* files of the reference; none: the surface as it was when the session began */
-    int space;            /* iso_space, of the references */
-    int resolution[2];    /* pixels, of the pictures of --draw and --video */
-    double voxel_size;    /* mm; 0: not given */
-    double scale;         /* of text and panel in the window; 0: the screen's */
-    double isovalue;      /* physical; NAN: not given */
-    double close_holes;   /* iso_closing_opts.hole, mm */
-    uint64_t undo_memory; /* bytes */
+    isosculpt_picture_request picture; /* taken from them */
+    int space;                         /* iso_space, of the references */
+    int resolution[2];                 /* pixels, of the pictures of --draw and --video */
+    double voxel_size;                 /* mm; 0: not given */
+    double scale;                      /* of text and panel in the window; 0: the screen's */
+    double isovalue;                   /* physical; NAN: not given */
+    double close_holes;                /* iso_closing_opts.hole, mm */
+    uint64_t undo_memory;              /* bytes */
 } isosculpt_settings;
 
 static inline bool isosculpt_has_new(const isosculpt_settings *settings) {

@@ -1,5 +1,6 @@
 /* The command line of isosculpt: the table of options and the checks between options. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -186,7 +187,8 @@ static const iso_option options[] = {
      .group = RUNNING, .kind = ISO_OPTION_CHOICE, AT(x_ray), .choices = x_rays, .standard = "off"},
     {"reference", NULL, "FILE",
      "show this with the sculpture instead: lines ({lines}), glyphs ({glyphs}) or a surface (a level set or "
-     "a mesh, translucent); in a window or with --draw; R and --x-ray as above",
+     "a mesh, translucent); in a window or with --draw; R and --x-ray as above. In a window also a picture "
+     "behind the sculpture, FILE.png,AXIS,HEIGHT: face.png,y,120 is 120 mm high and faces the front",
      .group = RUNNING, .kind = ISO_OPTION_TEXTS, AT(references)},
     {"space", NULL, "NAME",
      "the axes of --reference: ras (to the right, to the front, up), lps or file (as it says; lps when it "
@@ -277,6 +279,37 @@ static iso_status check_opened(const isosculpt_settings *settings, iso_error *er
     return ISO_OK;
 }
 
+/* Takes the reference picture, FILE.png,AXIS,HEIGHT, out of the files of the reference. */
+static iso_status take_picture(isosculpt_settings *settings, iso_error *error) {
+    iso_texts *files = &settings->references;
+    isosculpt_picture_request *picture = &settings->picture;
+    int kept = 0;
+    for (int i = 0; i < files->count; i++) {
+        const char *text = files->values[i], *at = strstr(text, ".png,");
+        int used = 0;
+        if (!at) {
+            files->values[kept++] = text;
+            continue;
+        }
+        const size_t length = (size_t)(at - text) + 4;
+        if (settings->headless)
+            return iso_fail(error, ISO_ERR_USAGE, "--reference %s: reference pictures are for a window",
+                            text);
+        if (picture->path[0] || length >= sizeof picture->path)
+            return iso_fail(error, ISO_ERR_USAGE, "--reference %s: %s", text,
+                            picture->path[0] ? "one reference picture at a time" : "the path is too long");
+        if (sscanf(at + 5, "%c,%lf%n", &picture->axis, &picture->height, &used) != 2 || at[5 + used] ||
+            picture->axis < 'x' || picture->axis > 'z' || !(picture->height > 0 && picture->height < 1e9))
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "--reference %s: a picture is FILE.png,AXIS,HEIGHT: face.png,y,120 stands across "
+                            "the axis y and is 120 mm high",
+                            text);
+        memcpy(picture->path, text, length);
+    }
+    files->count = kept;
+    return ISO_OK;
+}
+
 /* Refuses options that a window does not use. The operand is a stroke file or a file to open. */
 static iso_status check_window(isosculpt_settings *settings, const iso_operands *operands, iso_error *error) {
     if (settings->video) return iso_fail(error, ISO_ERR_USAGE, "--video needs --headless");
@@ -339,6 +372,7 @@ iso_status isosculpt_settings_parse(int argc, char *const *argv, isosculpt_setti
     settings->turntable = -1;
     ISO_TRY(iso_options_parse(isosculpt_program(), argc, argv, settings, operands, error));
     if (settings->common.action) return ISO_OK;
+    ISO_TRY(take_picture(settings, error));
     ISO_TRY(check_files(settings, operands, error));
     if (settings->space && !settings->references.count)
         return iso_fail(error, ISO_ERR_USAGE, "--space is for --reference, which is not given");

@@ -22,7 +22,7 @@ picture drawn
 # the sections above fold, so that the one of strokes is in the window
 press 60 330
 press 60 358
-lists() { whole_window list && { look color list.png 230 233 238 24,618,44,632 8 >/dev/null || { press 60 571; false; }; }; }
+lists() { whole_window list && { look color list.png 230 233 238 34,618,44,632 4 >/dev/null || { press 60 571; false; }; }; }
 until_ "the section of strokes" lists
 
 # ---- a handle: the path follows at once, the surface when the edit is drawn; no stroke is made

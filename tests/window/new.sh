@@ -61,10 +61,10 @@ stroke 640 230 40 0
 before=$journal
 cp "$before" before.strokes
 for _ in 1 2 3 4 5 6 7 8 9 10; do xdotool mousemove 150 700 click 5 sleep 0.1; done
-press 208 699 # "Volume and area"
-press 60 615  # "Numbers"
-press 65 703 && key ctrl+a && xdotool type 0.8 && sleep 0.2
-press 165 703
+press 208 671 # "Volume and area"
+press 60 587  # "Numbers"
+press 65 675 && key ctrl+a && xdotool type 0.8 && sleep 0.2
+press 165 675
 until_ "other voxels" begins '"voxel_size":0.8'
 until_ "all strokes" has_events end 3
 cmp -s "$before" before.strokes || fail "the strokes before are not as they were"

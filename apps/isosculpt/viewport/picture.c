@@ -79,6 +79,14 @@ static void finish_whole(isosculpt_viewport *viewport) {
     viewport->drawn_reference_mode = shown_reference(viewport);
 }
 
+/* Lays the reference picture behind what was drawn. */
+static void blend_backdrop(const isosculpt_viewport *viewport, const iso_view *samples,
+                           const iso_gbuffer *gbuffer, int factor, iso_image *image) {
+    const isosculpt_material material = isosculpt_viewport_material(viewport);
+    isosculpt_backdrop_blend(viewport->backdrop, samples, gbuffer, factor, material.background, image,
+                             viewport->pool);
+}
+
 /* Draws the samples to pick from of a picture with translucent surfaces: those of the front surface, drawn as
  * if all were opaque. */
 static iso_status draw_picks(isosculpt_viewport *viewport, iso_error *error) {
@@ -112,6 +120,7 @@ static iso_status draw_whole(isosculpt_viewport *viewport, iso_method method, in
             iso_gbuffer_clear_bands(&drawn->gbuffer, viewport->pool);
     }
     isosculpt_reference_blend_whole(viewport, hurried);
+    blend_backdrop(viewport, &drawn->view, &drawn->gbuffer, 1, &viewport->image);
     finish_whole(viewport);
     viewport->drawn_lit = lit;
     viewport->drawn_exactly = method == ISO_METHOD_EXACT && factor == 1;
@@ -125,10 +134,10 @@ static iso_status draw_whole(isosculpt_viewport *viewport, iso_method method, in
 static bool is_by_gl(const isosculpt_viewport *viewport, bool moving) {
     const isosculpt_display_mode *mode = &viewport->mode;
     return viewport->gl && mode->engine == ISOSCULPT_ENGINE_GL && !viewport->mask.at &&
-           !isosculpt_viewport_is_see_through(viewport) && !isosculpt_viewport_shows_reference(viewport) &&
-           !isosculpt_viewport_is_cut(viewport) && !isosculpt_viewport_is_colored(viewport) &&
-           !isosculpt_viewport_is_painted(viewport) && !is_lit(viewport, moving) &&
-           (mode->method != ISO_METHOD_EXACT || moving);
+           !isosculpt_backdrop_is_shown(viewport->backdrop) && !isosculpt_viewport_is_see_through(viewport) &&
+           !isosculpt_viewport_shows_reference(viewport) && !isosculpt_viewport_is_cut(viewport) &&
+           !isosculpt_viewport_is_colored(viewport) && !isosculpt_viewport_is_painted(viewport) &&
+           !is_lit(viewport, moving) && (mode->method != ISO_METHOD_EXACT || moving);
 }
 
 /* Draws the picture of drawn.view with factor x factor samples a pixel. */
@@ -270,6 +279,7 @@ static iso_status draw_tile(isosculpt_viewport *viewport, iso_method method, iso
         ISO_TRY(isosculpt_shown_render(viewport, method, &pixels, factor, lit, 1, &viewport->tile,
                                        &viewport->tile_image, error));
     if (factor == 1) isosculpt_reference_blend_tile(viewport, r);
+    blend_backdrop(viewport, &samples, &viewport->tile, factor, &viewport->tile_image);
     copy_tile_pixels(viewport, r, drawn);
     return factor == 1 ? copy_tile_samples(viewport, r, error) : ISO_OK;
 }
@@ -381,6 +391,7 @@ static void shade_again(isosculpt_viewport *viewport, bool moving) {
     isosculpt_material_strip(&material, &viewport->matcap, &strip, &viewport->image, viewport->pool);
     if (viewport->mask.at) isosculpt_darken_masked(viewport, &strip, &viewport->image);
     isosculpt_reference_blend_whole(viewport, moving);
+    blend_backdrop(viewport, strip.view, strip.gbuffer, 1, &viewport->image);
     viewport->drawn_reference_mode = shown_reference(viewport);
     viewport->redrawn = viewport->unrefined =
         (isosculpt_damage){.rectangle = {whole_image(viewport)}, .count = 1};

@@ -9,6 +9,7 @@
 #define ISO_APPS_ISOSCULPT_VIEWPORT_VIEWPORT_H
 
 #include "apps/isosculpt/task.h"
+#include "apps/isosculpt/viewport/backdrop.h"
 #include "apps/isosculpt/viewport/cut.h"
 #include "apps/isosculpt/viewport/damage.h"
 #include "apps/isosculpt/viewport/gl.h"
@@ -122,6 +123,7 @@ typedef struct isosculpt_viewport {
     int moving_factor; /* width of a sample in pixels while the camera moves, 1 ..
                           ISOSCULPT_MOVING_FACTOR_MAX; adapted to the time that pictures take */
 
+    const isosculpt_backdrop *backdrop; /* borrowed: a picture behind the surface (with `style`); or NULL */
     isosculpt_reference_mode reference_mode; /* of fields */
     isosculpt_reference *reference;          /* owned; NULL: none */
     iso_error reference_error;               /* why the reference was hidden; text[0] == 0: it was not */

@@ -9,6 +9,7 @@
 #include <GLFW/glfw3.h>
 
 #include "apps/isosculpt/look.h"
+#include "apps/isosculpt/window/backdrop.h"
 #include "apps/isosculpt/window/reference.h"
 #include "base/file_types.h"
 #include "source/label.h"
@@ -51,6 +52,7 @@ static void adopt_document(window *w) {
     w->controller.viewing_volume = w->screen.volume != NULL;
     w->controller.commands = ISOSCULPT_COMMAND_REDRAW;
     w->frames_left = ISOSCULPT_FRAMES_AFTER_EVENT;
+    isosculpt_window_adopt_backdrop(w);
 }
 
 /* Shows the whole surface in the part of the window that the panel leaves free. */

@@ -79,6 +79,7 @@ typedef struct isosculpt_screen {
     const iso_texts *references;     /* files of the reference; none: the surface at the beginning of the
                                        session */
     bool has_labels;                 /* the sculpture is one of a segmentation's labels */
+    isosculpt_backdrop *backdrop;    /* the reference picture; borrowed */
     bool reference_pending;          /* the reference is being made */
     bool sculpting;                  /* the volume is being converted into a field */
     bool freeze_second;              /* what the second surface encloses is frozen in the sculpture */

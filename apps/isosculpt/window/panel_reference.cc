@@ -85,7 +85,56 @@ static bool choose_shown(const isosculpt_screen *screen, isosculpt_reference_mod
     return changed;
 }
 
+/* The widgets for the reference picture. Returns whether something has changed. */
+static bool choose_backdrop(isosculpt_backdrop *b, double voxel) {
+    const double least = 0.05, most = 1;
+    const float gap = ImGui::GetStyle().ItemInnerSpacing.x,
+                third = (ImGui::GetContentRegionAvail().x - 2 * gap) / 3;
+    const char *slash = std::strrchr(b->path, '/'), axis[] = {b->axis, 0};
+    char label[80];
+    std::snprintf(label, sizeof label, "%.24s###picture", slash ? slash + 1 : b->path);
+    bool changed = ImGui::Checkbox(label, &b->shown);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("a picture behind the sculpture");
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::GetFrameHeight());
+    if (ImGui::Button(axis)) {
+        b->axis = b->axis == 'z' ? 'x' : (char)(b->axis + 1);
+        changed = true;
+    }
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("the axis across which it stands");
+    ImGui::SetNextItemWidth(1.5f * third);
+    changed |= ImGui::SliderScalar("##opacity", ImGuiDataType_Double, &b->opacity, &least, &most,
+                                   "opacity %.2f", ImGuiSliderFlags_AlwaysClamp);
+    ImGui::SameLine(0, gap);
+    double height = b->height;
+    ImGui::SetNextItemWidth(1.5f * third);
+    if (ImGui::DragScalar("##height", ImGuiDataType_Double, &height, (float)voxel, nullptr, nullptr,
+                          "%.5g mm high") &&
+        height > 0) {
+        b->height = height;
+        changed = true;
+    }
+    double *const at[] = {&b->centre.x, &b->centre.y, &b->centre.z};
+    for (int i = 0; i < 3; i++) {
+        ImGui::PushID(i);
+        if (i) ImGui::SameLine(0, gap);
+        ImGui::SetNextItemWidth(third);
+        changed |= ImGui::DragScalar("##centre", ImGuiDataType_Double, at[i], (float)(0.5 * voxel), nullptr,
+                                     nullptr, "%.5g");
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("where its middle is, mm");
+        ImGui::PopID();
+    }
+    return changed;
+}
+
 void panel_draw_reference(isosculpt_screen *screen) {
+    if (screen->backdrop->image.rgba) {
+        ImGui::PushID("backdrop");
+        if (choose_backdrop(screen->backdrop, screen->controller->document->start.voxel_size)) {
+            screen->controller->viewport->style++;
+            screen->controller->commands |= ISOSCULPT_COMMAND_REDRAW;
+        }
+        ImGui::PopID();
+    }
     isosculpt_reference_mode *mode = &screen->controller->viewport->reference_mode;
     bool changed = choose_shown(screen, mode);
     if (mode->shown) {

@@ -52,6 +52,9 @@ typedef struct window {
     char next_path[ISOSCULPT_PATH];         /* path to be opened if the user agrees to lose unsaved changes */
     isosculpt_new next;                     /* what to begin with then instead; solid.size.x = 0: next_path */
     size_t agreed_changes;                  /* document.change_count that the user agreed to lose */
+    isosculpt_backdrop backdrop;            /* the reference picture */
+    char kept_backdrop[2 * ISOSCULPT_PATH]; /* what was written of it beside the strokes */
+    bool backdrop_asked;                    /* that of --reference was shown, or tried */
     isosculpt_reference_job *reference_job; /* the reference is being made; or NULL */
     bool reference_labels;                  /* it is, or that of the viewport is, of the other labels */
     bool resampling;                        /* load_job plays the strokes in other voxels */

@@ -5,6 +5,7 @@
 
 #include <GLFW/glfw3.h>
 
+#include "apps/isosculpt/window/backdrop.h"
 #include "apps/isosculpt/window/commands.h"
 #include "apps/isosculpt/window/events.h"
 #include "apps/isosculpt/window/opening.h"
@@ -35,6 +36,7 @@ static iso_status run_loop(window *w, iso_error *error) {
         isosculpt_window_show_progress(w);
         isosculpt_window_update_title(w);
         isosculpt_window_remember_look(w);
+        isosculpt_window_keep_backdrop(w);
         ISO_TRY(isosculpt_window_draw(w, error));
         wait_events(w);
         ISO_TRY(isosculpt_window_process_commands(w, error));
@@ -134,6 +136,7 @@ iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, 
                            .panel = true,
                            .pixels = 1,
                            .references = &settings->references}};
+    w.screen.backdrop = &w.backdrop;
     w.document.pool = pool;
     w.document.undo_memory = (size_t)settings->undo_memory;
     if (!glfwInit()) return fail_window(error, "no window system");
@@ -143,6 +146,7 @@ iso_status isosculpt_window(const isosculpt_settings *settings, iso_pool *pool, 
     isosculpt_controller_free(&w.controller);
     isosculpt_browser_close(&w.screen.browser);
     isosculpt_viewport_free(&w.viewport);
+    isosculpt_backdrop_free(&w.backdrop);
     isosculpt_document_close(&w.document);
     close_engine(&w);
     iso_source_volume_free(w.volume);

@@ -2,6 +2,7 @@
  */
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "grids/volume/hdf5/conventions.h"
