@@ -5,11 +5,10 @@
 
 #include "apps/isosculpt/viewport/damage.h"
 #include "apps/isosculpt/viewport/shading.h"
+#include "base/c_linkage.h"
 #include "base/parallel.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+ISO_C_BEGIN
 
 /* Zero-initialise; isosculpt_backdrop_free. */
 typedef struct isosculpt_backdrop {
@@ -38,7 +37,5 @@ void isosculpt_backdrop_blend(const isosculpt_backdrop *backdrop, const iso_view
                               const iso_gbuffer *gbuffer, int factor, iso_rgb background, iso_image *image,
                               iso_pool *pool);
 
-#ifdef __cplusplus
-}
-#endif
+ISO_C_END
 #endif
