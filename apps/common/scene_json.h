@@ -36,7 +36,7 @@ iso_status iso_scene_json_save(const iso_scene_record *record, const char *path,
 
 /* Reads the JSON of a file, or of a PNG; *scene is the caller's: json_decref. NULL: it is JSON of something
  * else. ISO_ERR_IO; ISO_ERR_FORMAT: a PNG without a scene, no JSON, another version, options of a wrong form.
- * */
+ */
 iso_status iso_scene_json_read(const char *path, struct json_t **scene, iso_error *error);
 
 /* The path of a scene's file: as it stands there, or beside the scene; of one that is nowhere the first of
@@ -44,7 +44,7 @@ iso_status iso_scene_json_read(const char *path, struct json_t **scene, iso_erro
 char *iso_scene_json_find(const char *scene_path, const char *path);
 
 /* Refuses a scene of which a file has changed; but for `except` (NULL: none). ISO_ERR_FORMAT, ISO_ERR_NOMEM.
- * */
+ */
 iso_status iso_scene_json_check_files(const char *scene_path, const struct json_t *scene, const char *except,
                                       iso_error *error);
 

@@ -11,7 +11,7 @@ iso_status isorender_cloud_check(const isorender_settings *settings, iso_error *
         const iso_renderer *renderer = iso_renderer_get((iso_method)settings->method);
         if (!(renderer->can & ISO_CAN_CLOUDS))
             return iso_fail(
-                error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume, %s do not",
+                error, ISO_ERR_USAGE, "holds points, not a volume: --method %s needs a volume; %s draw them",
                 renderer->name, iso_methods_that_can(ISO_CAN_CLOUDS, (char[ISO_METHODS_TEXT]){0}));
     }
     const char *option = settings->isovalue_count                             ? "--isovalue"

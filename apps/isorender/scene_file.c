@@ -339,7 +339,7 @@ static bool is_scene(const char *operand) {
 }
 
 /* Whether an operand that is no scene is an input. Pictures are outputs, but for TIFF files that are there.
- * */
+ */
 static bool is_input(const char *operand) {
     const iso_image_kind kind = iso_image_kind_of(operand);
     if (iso_page_is_named(operand)) return false;

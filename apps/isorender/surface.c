@@ -75,7 +75,7 @@ static iso_status choose_isovalue(isorender_job *job, isorender_surface *surface
 }
 
 /* Makes the workspace that surfaces and lines share, if there is one: pictures are drawn one after the other.
- * */
+ */
 static iso_status make_workspace(isorender_job *job, iso_error *error) {
     const bool uses_one = job->renderer->can & (ISO_CAN_PYRAMID | ISO_CAN_LEVELS);
     if (!uses_one || (job->backend->engine && !job->object_count)) return ISO_OK;

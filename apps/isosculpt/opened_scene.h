@@ -21,7 +21,7 @@ bool isosculpt_is_scene(const char *path);
 
 /* Reads a scene; isosculpt_opened_scene_free when done. ISO_ERR_FORMAT: it holds no scene, has no input, or a
  * file of it has changed; ISO_ERR_USAGE: an option that the reader does not take; ISO_ERR_IO, ISO_ERR_NOMEM.
- * */
+ */
 iso_status isosculpt_opened_scene_read(const char *path, isosculpt_opened_scene *scene, iso_error *error);
 /* Shows a viewport of the input as the scene does: its camera, if it has one, and style.h. ISO_ERR_USAGE,
  * ISO_ERR_LIMIT: a value that is not understood; what was set before it stays. */

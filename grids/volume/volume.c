@@ -218,8 +218,6 @@ static const struct {
 } confused[] = {
     {"\x89PNG\r\n\x1a\n", "is one picture: a volume in PNG is a folder with a file for each slice"},
     {"\xff\xd8\xff", "is one picture: a volume in JPEG is a folder with a file for each slice"},
-    {"ASTM-E57",
-     "is a scan in E57, which is not read: pdal translate scan.e57 scan.las, or CloudCompare, converts it"},
     {"CDF\1", "is NetCDF of version 3: nccopy -k netCDF-4 makes a file of it that is read"},
     {"CDF\2", "is NetCDF of version 3: nccopy -k netCDF-4 makes a file of it that is read"},
     {"CDF\5", "is NetCDF of version 3: nccopy -k netCDF-4 makes a file of it that is read"},

@@ -202,7 +202,7 @@ class Sculpt:
         with self.volume._lock:
             call(lib.iso_sculpt_move, self._handle, first, last or first, before)
 
-    def path(self, number: int) -> "tuple[np.ndarray, np.ndarray]":
+    def path(self, number: int) -> "tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]":
         """The positions and normals of a past stroke, (n, 3) each, mm."""
         at, count = ffi.new("const iso_sample **"), ffi.new("size_t *")
         with self.volume._lock:

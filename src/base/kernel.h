@@ -22,7 +22,7 @@
 #define ISO_KERNEL_NAME(name) ISO_PASTE(name, ISO_LEVEL)
 
 /* The floats in a vector: code for one level alone stands under `#if ISO_LANES == 8` (avx2) or 16 (avx512).
- * */
+ */
 #define ISO_LANES_generic 4
 #define ISO_LANES_avx2 8
 #define ISO_LANES_avx512 16

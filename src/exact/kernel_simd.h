@@ -82,7 +82,7 @@ static bool has_outlines(const iso_exact_projection *projection,
 }
 
 /* Moves the lowest bits of `bits` to the positions of the set bits of `mask`, as the instruction pdep does.
- * */
+ */
 static inline uint64_t deposit(uint64_t bits, uint64_t mask) {
 #if ISO_LANES > 4
     return _pdep_u64(bits, mask);

@@ -15,7 +15,7 @@ enum {
  * type. ISO_HOLDS_MESH means that it has faces, ISO_HOLDS_POINTS that it is one of points on surfaces, such
  * as a scan: not a molecule (.xyz), and not .csv, .vtk and .vtp, which more often hold other things. A file
  * that cannot be read, or is empty, holds what its name says, or nothing if that could be a volume or points.
- * */
+ */
 unsigned iso_file_contents(const char *path);
 
 #endif

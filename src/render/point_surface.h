@@ -1,5 +1,5 @@
 /* point_surface: draws the surface between points, by any of the reconstructions: discs, or an image pyramid.
- * */
+ */
 #ifndef ISO_RENDER_POINT_SURFACE_H
 #define ISO_RENDER_POINT_SURFACE_H
 

@@ -36,7 +36,7 @@ static bool is_sliced(const iso_cut_caps *caps, iso_vec3 centre, const iso_vec3 
 }
 
 /* iso_chunk_chooser: whether a slice passes the chunk, or some of it is in the solid and something cuts it.
- * */
+ */
 static bool may_have_caps(void *context, const iso_grid_chunk *chunk, const iso_brick_range *range) {
     const caps_visit *all = context;
     const iso_clip *clip = all->caps->caps ? all->caps->solids[0].clip : NULL;

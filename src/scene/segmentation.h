@@ -48,7 +48,7 @@ iso_status iso_segmentation_name(iso_segmentation *s, const char *table, int *mi
 bool iso_segmentation_is_scan(const iso_segmentation *s);
 
 /* Divides the labels into groups: 1 of all opaque ones, if there are some, and one of each translucent one.
- * */
+ */
 void iso_segmentation_divide(iso_segmentation *s);
 /* Makes the level sets of the groups, of which there are 1 .. ISO_LABEL_GROUPS, and `shared`. `places`:
  * ISO_LABELS_DRAWN .. ISO_ERR_NOMEM. */

@@ -48,7 +48,7 @@ iso_status iso_solid_weld(const iso_mesh_view *mesh, const iso_solid_mesh_opts *
                           iso_error *error);
 
 /* Area, volume .. of an isosurface (physical isovalue). Errors of iso_isosurface_mesh and iso_weld_measure.
- * */
+ */
 iso_status iso_solid_measure(const iso_grid *grid, double isovalue, iso_pool *pool,
                              iso_mesh_measures *measures, iso_error *error);
 

@@ -199,8 +199,6 @@ isorender_refuses 3 'in/a.vtu: holds a UnstructuredGrid, not an image: python3 -
 printf 'CDF\2\0\0\0\1' >in/mesh.exo
 printf 'CDF\1\0\0\0\1' >in/old.nc
 echo '$MeshFormat' >in/mesh.msh
-printf 'ASTM-E57\1' >in/scan.e57
 isorender_refuses 3 'in/mesh.exo: holds a grid of Exodus, not an image: python3 -c .import vtk; r = vtk.vtkExodusIIReader()' in/mesh.exo
 isorender_refuses 3 'in/mesh.msh: holds a grid of Gmsh, not an image: meshio convert' in/mesh.msh
 isorender_refuses 3 'in/old.nc: is NetCDF of version 3: nccopy -k netCDF-4' in/old.nc
-isorender_refuses 3 'in/scan.e57: is a scan in E57, which is not read: pdal translate' in/scan.e57

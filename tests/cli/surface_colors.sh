@@ -97,7 +97,7 @@ refuses 2 "did you mean viridis" isorender in/v.mha bad.png --isovalue 300 --sur
 refuses 2 "smaller one first" isorender in/v.mha bad.png --isovalue 300 --surface-color-by curvature --range 3,1
 refuses 2 "there is no @3" isorender in/v.mha bad.png --isovalue 300 --surface-color-by curvature@3
 refuses 2 "both colour @1" isorender in/v.mha bad.png --isovalue 300 --surface-color-by curvature --surface-color-by depth@1
-refuses 2 "translucent surfaces: exact and raycast" isorender in/v.mha bad.png --isovalue 300 --surface-color-by depth --opacity .5 --method splats
+refuses 2 "of translucent surfaces: that needs exact or raycast" isorender in/v.mha bad.png --isovalue 300 --surface-color-by depth --opacity .5 --method splats
 refuses 2 "cannot be combined with --part" isorender in/v.mha --surface-color-by depth --part 1/2 -o bad.isokeys
 printf '000000\nwhat\n' >in/bad.txt
 refuses 3 "row 2, 'what', is no colour" isorender in/v.mha bad.png --isovalue 300 --surface-color-by depth --colormap in/bad.txt

@@ -54,7 +54,7 @@ void hdf5_write_text(hid_t object, const char *name, const char *text);
 void hdf5_write_texts(hid_t object, const char *name, const char *const *texts, hsize_t count);
 hid_t hdf5_make_group(hid_t parent, const char *path);
 /* Writes the coordinates of an axis: first, first + step, ..; without the attribute units if `unit` is NULL.
- * */
+ */
 hid_t hdf5_write_axis(hid_t group, const char *name, int size, double first, double step, const char *unit);
 
 void hdf5_check_numbers(const char *what, const double *numbers, double x, double y, double z);

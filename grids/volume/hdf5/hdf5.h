@@ -96,7 +96,7 @@ iso_status iso_bdv_read_view(const char *xml, unsigned time, unsigned setup, iso
  * choice, which are listed; ISO_ERR_UNSUPPORTED: a filter, or values in other files; ISO_ERR_USAGE: no such
  * array or component; ISO_ERR_LIMIT. opts->channels, if it is not NULL, must be shared with the parent.
  * `xml`: the .xml of BigDataViewer that belongs to the file, or NULL. Leaves the file open: the process ends.
- * */
+ */
 iso_status iso_hdf5_describe(const char *path, const char *xml, const iso_volume_opts *opts,
                              iso_volume_info *info, iso_hdf5_array *array, iso_hdf5_slices *slices,
                              iso_hdf5_positions *positions, iso_error *error);

@@ -115,7 +115,7 @@ static inline void add_cells(const block_rows *rows, int i, uint64_t valid, iso_
 }
 #else
 /* Appends them: computes the cases of all 64 cells of a row at once, then compresses those of active cells.
- * */
+ */
 static inline void add_cells(const block_rows *rows, int i, uint64_t valid, iso_mesh_block *block) {
     const int at[4] = {i, i + 1, i + ISO_EDGE_SIDE, i + ISO_EDGE_SIDE + 1};
     const uint64_t active = rows->active[i] & valid;

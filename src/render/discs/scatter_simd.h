@@ -91,7 +91,7 @@ typedef struct rf_adder {
 } rf_adder;
 
 /* Adds hit number `which` (step * ISO_LANES + lane) to its pixel, by the rules of add_disc in splat_simd.h.
- * */
+ */
 ISO_INLINE void add_hit(const iso_discs_params *params, const iso_discs_patch *patch, const rf_hits *m,
                         uint32_t which, const rf_adder *discs) {
     const uint32_t lane = which % ISO_LANES;

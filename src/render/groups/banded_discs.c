@@ -1,5 +1,5 @@
 /* banded_discs: projects points to discs, bounds discs in the picture, and lists the discs of bands of rows.
- * */
+ */
 #include "render/groups/banded_discs.h"
 
 #include <float.h>

@@ -279,7 +279,7 @@ static void pyramids_have_keys_of_their_own(void **state) {
 }
 
 /* The depth of the surface in the brick with place 0, or none, and that of the cap, or none: which is shown.
- * */
+ */
 static void merged_caps_are_joined(void **state) {
     (void)state;
     enum { SURFACE = 0x010203, CAP = 0x0a0b0c };

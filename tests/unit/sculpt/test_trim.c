@@ -379,7 +379,7 @@ static void replay_and_edits_give_the_same(void **state) {
 }
 
 /* A session that was killed while an outline was drawn goes on without it, whether it outlined something yet.
- * */
+ */
 static void half_an_outline_is_left_out(void **state) {
     (void)state;
     const char *journal = session_path("killed.strokes"), *copy = session_path("killed-copy.strokes");
