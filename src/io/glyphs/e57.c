@@ -206,7 +206,8 @@ static iso_status read_scan(e57 *e, const iso_e57_scan *scan, iso_error *error) 
 
 /* ---- the file */
 
-static iso_status begin_columns(e57 *e, iso_error *error) {
+/* Adds the columns that any scan has. *fractions: colours may be floats of 0 to 1. */
+static iso_status begin_columns(e57 *e, bool *fractions, iso_error *error) {
     static const char *const columns[KEPT] = {"x",     "y",    "z",  "intensity", "red",
                                               "green", "blue", "nx", "ny",        "nz"};
     const iso_e57_scan *scans = e->file.scans.data;
@@ -215,8 +216,10 @@ static iso_status begin_columns(e57 *e, iso_error *error) {
         int what[ISO_E57_FIELDS];
         bool spherical;
         find_fields(&scans[s], what, &spherical);
-        for (int i = 0; i < scans[s].field_count; i++)
+        for (int i = 0; i < scans[s].field_count; i++) {
             if (what[i] < KEPT) kept[what[i]] = columns[what[i]];
+            if (what[i] == RED && scans[s].fields[i].is_float) *fractions = true;
+        }
     }
     return iso_polydata_name_columns(e->data, kept, KEPT, e->slots, error);
 }
@@ -225,14 +228,15 @@ static iso_status read_e57(e57 *e, iso_error *error) {
     ISO_TRY(iso_e57_open(e->data->reading->path, &e->file, error));
     const iso_e57_scan *scans = e->file.scans.data;
     e->data->reading->report->unit = ISO_WORLD_UNIT_METRE;
-    ISO_TRY(begin_columns(e, error));
+    bool fractions = false;
+    ISO_TRY(begin_columns(e, &fractions, error));
     for (size_t s = 0; s < e->file.scan_count; s++) ISO_TRY(read_scan(e, &scans[s], error));
     if (e->file.scan_count > 1)
         iso_reading_note(e->data->reading, "%zu scans, in the coordinates of the world", e->file.scan_count);
     if (e->invalid)
         iso_reading_note(e->data->reading, "%llu points without a return are left out",
                          (unsigned long long)e->invalid);
-    iso_polydata_scale_colors(e->data, true);
+    iso_polydata_scale_colors(e->data, fractions);
     return ISO_OK;
 }
 
