@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-enum { ISO_SMOOTH_MOST = 1000 };
+enum { ISO_SMOOTH_MOST = 10000 };
 
 /* How the mesh of a surface is made, in this order: the solid is closed and made hollow, its Marching Cubes
  * mesh is smoothed, and its triangles are joined. All zero, or NULL: as iso_surface_mesh makes it. Closed

@@ -562,7 +562,7 @@ static const iso_option options[] = {
      "several surfaces and labels are the objects of an .obj, .glb or .3mf",
      .group = OUTPUT, TEXT(mesh), UNRECORDED},
     {"smooth-mesh", NULL, "N", "smooth what --mesh writes, N times (Taubin 1995: steps go, the volume stays)",
-     .group = OUTPUT, INT(mesh_edits.smooth, 1, 10000), UNRECORDED},
+     .group = OUTPUT, INT(mesh_edits.smooth, 1, ISO_SMOOTH_MOST), UNRECORDED},
     {"decimate", NULL, "PERCENT|MM",
      "join triangles of what --mesh writes, in the order of the error (meshoptimizer): until so many are "
      "left, as 10%, or as long as the surface moves by about so many mm at most",

@@ -219,8 +219,9 @@ static iso_status check_clouds(iso_surface *const *surfaces, int count, const is
                                 "and outline");
         } else if (renderer->needs & ~(1u << ISO_PART_POINTS | 1u << ISO_PART_GROUPS)) {
             return iso_fail(error, ISO_ERR_USAGE,
-                            "surface %d is a cloud of points: the method %s needs a volume; splats draws it",
-                            i, renderer->name);
+                            "surface %d is a cloud of points: the method %s needs a volume; %s draw it", i,
+                            renderer->name,
+                            iso_methods_that_can(ISO_CAN_CLOUDS, (char[ISO_METHODS_TEXT]){0}));
         }
     }
     return ISO_OK;

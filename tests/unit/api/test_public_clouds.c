@@ -242,8 +242,10 @@ static void test_refusals(void **state) {
     assert_int_equal(iso_surface_set_isovalue(surface, 1, NULL), ISO_ERR_USAGE);
     assert_int_equal(iso_surface_write_mesh(surface, ISO_TEST_TMP "/no.stl", NULL), ISO_ERR_USAGE);
     assert_int_equal(iso_render(surface, NULL, &image, &error), ISO_ERR_USAGE); /* exact */
-    assert_string_equal(error.text,
-                        "surface 0 is a cloud of points: the method exact needs a volume; splats draws it");
+    assert_string_equal(
+        error.text,
+        "surface 0 is a cloud of points: the method exact needs a volume; points, pullpush, discs "
+        "or splats draw it");
     const iso_color_by color_by = {.source = ISO_COLOR_BY_CURVATURE};
     const iso_render_opts colored = {.method = ISO_METHOD_SPLATS, .color_by = &color_by, .color_by_count = 1};
     assert_int_equal(iso_render(surface, &colored, &image, NULL), ISO_ERR_USAGE);

@@ -52,7 +52,7 @@ static const iso_renderer *renderer_of(const way *chosen) {
  * introduce them. */
 static unsigned read_named(const char *message) {
     static const char *const phrases[] = {
-        "that needs ", "is for --method ", "by --method ", "it needs --method ", "only ", "needs a volume, "};
+        "that needs ", "is for --method ", "by --method ", "it needs --method ", "only ", "needs a volume; "};
     const char *tail = message;
     unsigned named = 0;
     for (size_t i = 0; i < sizeof phrases / sizeof *phrases; i++) {
