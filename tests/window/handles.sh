@@ -8,12 +8,6 @@ require_window
 open_display
 cd "$work" || exit 1
 
-has_path() { whole_window path && look color path.png 255 200 60 304,0,1280,800 20 >/dev/null; }
-# click MODIFIER X Y: a click on the picture without motion, as `stroke` counts X
-click() { xdotool mousemove $(($2 + PANEL / 2)) "$3" sleep 0.1 keydown "$1" mousedown 1 sleep 0.1 mouseup 1 keyup "$1" sleep 0.1; }
-last() { grep "\"event\":\"$1\"" "$journal" | tail -1; }
-is_same_field() { cmp -s <(tail -c +60 sculpture.vdb) <(tail -c +60 "$1"); }
-
 start
 stroke 560 300 60 10
 stroke 640 400 60 10

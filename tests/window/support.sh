@@ -170,3 +170,12 @@ draws() {
     mv ./*-view.png "drawn.png"
     look same "$work/$1.png" drawn.png "$2" || fail "$1: another picture is drawn by $command"
 }
+
+# whether the path of a selected stroke is drawn over the picture
+has_path() { whole_window path && look color path.png 255 200 60 304,0,1280,800 20 >/dev/null; }
+# click MODIFIER X Y: a click on the picture without motion, as `stroke` counts X
+click() { xdotool mousemove $(($2 + PANEL / 2)) "$3" sleep 0.1 keydown "$1" mousedown 1 sleep 0.1 mouseup 1 keyup "$1" sleep 0.1; }
+# last EVENT: the journal's last one of a kind
+last() { grep "\"event\":\"$1\"" "$journal" | tail -1; }
+# is_same_field NAME: whether this is the saved sculpture (a file of OpenVDB begins with a number of its own)
+is_same_field() { cmp -s <(tail -c +60 sculpture.vdb) <(tail -c +60 "$1"); }

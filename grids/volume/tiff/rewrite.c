@@ -111,7 +111,7 @@ static iso_status rewrite_slice(const rewriting *r, int z, iso_error *error) {
 
 /* ---- the file */
 
-static iso_status copy_stream(const char *path, FILE *from, FILE *to, iso_error *error) {
+static iso_status copy_file(const char *path, FILE *from, FILE *to, iso_error *error) {
     char block[1 << 16];
     size_t got;
     while ((got = fread(block, 1, sizeof block, from)) > 0) fwrite(block, 1, got, to);
@@ -130,7 +130,7 @@ static iso_status open_copy(rewriting *r, FILE **copy, iso_error *error) {
                           strerror(-descriptor));
     else if (!(*copy = fdopen(descriptor, "r+b")))
         close(descriptor), status = iso_fail_memory(error, r->path);
-    if (status == ISO_OK) status = copy_stream(r->path, file, *copy, error);
+    if (status == ISO_OK) status = copy_file(r->path, file, *copy, error);
     fclose(file);
     ISO_TRY(status);
     if (fflush(*copy) != 0)
@@ -169,7 +169,7 @@ iso_status iso_tiff_rewrite(const char *path, const iso_volume_opts *opts, iso_r
     }
     iso_tiff_close(r.from);
     iso_tiff_close(r.to);
-    if (status == ISO_OK && fseeko(copy, 0, SEEK_SET) == 0) status = copy_stream(path, copy, stream, error);
+    if (status == ISO_OK && fseeko(copy, 0, SEEK_SET) == 0) status = copy_file(path, copy, stream, error);
     if (copy) fclose(copy);
     iso_free(r.page);
     iso_free(r.block);

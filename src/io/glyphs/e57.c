@@ -146,12 +146,6 @@ static iso_status append(e57 *e, stream *s, uint64_t *at, size_t bytes, iso_erro
     return ISO_OK;
 }
 
-static uint64_t number_at(const unsigned char *bytes, int count) {
-    uint64_t number = 0;
-    while (count > 0) number = number << 8 | bytes[--count];
-    return number;
-}
-
 static iso_status damaged(const e57 *e, const char *what, iso_error *error) {
     return iso_fail(error, ISO_ERR_IO, "%s: damaged: %s", e->file.path, what);
 }
@@ -162,17 +156,17 @@ static iso_status read_packet(e57 *e, const iso_e57_scan *scan, uint64_t *at, is
     unsigned char head[HEAD], lengths[2 * ISO_E57_FIELDS];
     const uint64_t begin = *at;
     ISO_TRY(iso_e57_take(&e->file, at, head, sizeof head, error));
-    const uint64_t end = begin + number_at(head + 2, 2) + 1;
+    const uint64_t end = begin + iso_e57_number(head + 2, 2) + 1;
     if (head[0] > EMPTY || end < begin + HEAD) return damaged(e, "a packet of an unknown kind", error);
     if (head[0] == DATA) {
         const size_t bytes = 2 * (size_t)scan->field_count;
         unsigned char count[COUNT];
         ISO_TRY(iso_e57_take(&e->file, at, count, sizeof count, error));
-        if (number_at(count, 2) != (uint64_t)scan->field_count)
+        if (iso_e57_number(count, 2) != (uint64_t)scan->field_count)
             return damaged(e, "a packet has not the streams of its scan", error);
         ISO_TRY(iso_e57_take(&e->file, at, lengths, bytes, error));
         for (int i = 0; i < scan->field_count; i++)
-            ISO_TRY(append(e, &e->streams[i], at, (size_t)number_at(lengths + 2 * i, 2), error));
+            ISO_TRY(append(e, &e->streams[i], at, (size_t)iso_e57_number(lengths + 2 * i, 2), error));
         if (*at > end) return damaged(e, "the streams of a packet are longer than it", error);
     }
     *at = end;
@@ -191,8 +185,8 @@ static iso_status read_scan(e57 *e, const iso_e57_scan *scan, iso_error *error) 
     const uint64_t begin = at;
     ISO_TRY(iso_e57_take(&e->file, &at, head, sizeof head, error));
     if (head[0] != 1) return damaged(e, "no section of points where one is to begin", error);
-    const uint64_t bytes = number_at(head + 8, 8);
-    at = iso_e57_place(&e->file, number_at(head + 16, 8));
+    const uint64_t bytes = iso_e57_number(head + 8, 8);
+    at = iso_e57_place(&e->file, iso_e57_number(head + 16, 8));
     if (at < begin || bytes > e->file.bytes) return damaged(e, "the place of its points", error);
     uint64_t left = scan->count;
     while (left > 0) {

@@ -2,12 +2,12 @@
  * that are missing have the values that the standard states. */
 #include "io/glyphs/e57_file.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/crc32c.h"
 #include "base/file.h"
+#include "base/geometry.h"
 #include "base/xml.h"
 
 enum { HEADER = 48, CHECKSUM = 4, LEAST_PAGE = 64, MOST_PAGE = 1 << 20, MOST_XML = 256 << 20 };
@@ -53,9 +53,9 @@ iso_status iso_e57_take(iso_e57_file *f, uint64_t *at, void *to, size_t bytes, i
     return ISO_OK;
 }
 
-static uint64_t number_at(const unsigned char *bytes) {
+uint64_t iso_e57_number(const unsigned char *bytes, int count) {
     uint64_t number = 0;
-    for (int i = 7; i >= 0; i--) number = number << 8 | bytes[i];
+    while (count > 0) number = number << 8 | bytes[--count];
     return number;
 }
 
@@ -108,16 +108,6 @@ static iso_status take_field(const iso_e57_file *f, const iso_xml_tag *t, iso_e5
     return ISO_OK;
 }
 
-/* The rows of a rotation by a quaternion; all zeros are none. */
-static void set_rotation(iso_e57_scan *scan, const double q[4]) {
-    const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    const double w = q[0], x = q[1], y = q[2], z = q[3], s = norm > 0 && isfinite(norm) ? 2 / norm : 0;
-    const double rows[9] = {1 - s * (y * y + z * z), s * (x * y - w * z),     s * (x * z + w * y),
-                            s * (x * y + w * z),     1 - s * (x * x + z * z), s * (y * z - w * x),
-                            s * (x * z - w * y),     s * (y * z + w * x),     1 - s * (x * x + y * y)};
-    memcpy(scan->rotation, rows, sizeof rows);
-}
-
 static iso_status take_scan(iso_e57_file *f, const iso_e57_scan *scan, iso_error *error) {
     uint64_t bits = 0;
     if (scan->count == 0) return ISO_OK;
@@ -160,7 +150,7 @@ static iso_status take_tag(iso_e57_file *f, const iso_xml_tag *t, place *in, iso
         *in = (place){.data = true};
         *scan = (iso_e57_scan){.count = 0};
     } else if (iso_xml_is(t, "/vectorChild")) {
-        set_rotation(scan, in->quaternion);
+        iso_quaternion_matrix(in->quaternion, scan->rotation);
         return take_scan(f, scan, error);
     } else if (iso_xml_is(t, "points")) {
         in->points = opens;
@@ -204,11 +194,11 @@ static iso_status read_header(iso_e57_file *f, uint64_t *xml_at, uint64_t *xml_b
     if (f->bytes < HEADER) return truncated(f, error);
     if (memcmp(head, "ASTM-E57", 8) != 0)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: not an E57 file", f->path);
-    f->page = number_at(head + 40);
-    *xml_bytes = number_at(head + 32);
+    f->page = iso_e57_number(head + 40, 8);
+    *xml_bytes = iso_e57_number(head + 32, 8);
     if (f->page < LEAST_PAGE || f->page > MOST_PAGE) return damaged(f, "the size of its pages", error);
-    if (number_at(head + 16) > f->bytes || *xml_bytes > f->bytes) return truncated(f, error);
-    *xml_at = iso_e57_place(f, number_at(head + 24));
+    if (iso_e57_number(head + 16, 8) > f->bytes || *xml_bytes > f->bytes) return truncated(f, error);
+    *xml_at = iso_e57_place(f, iso_e57_number(head + 24, 8));
     return *xml_bytes <= MOST_XML ? ISO_OK : damaged(f, "its XML text is too long", error);
 }
 

@@ -42,6 +42,8 @@ void iso_e57_close(iso_e57_file *file);
 /* Copies `bytes` bytes that begin at *at, a place without checksums, and moves *at behind them. ISO_ERR_IO:
  * the file ends before, or a checksum is wrong. */
 iso_status iso_e57_take(iso_e57_file *file, uint64_t *at, void *to, size_t bytes, iso_error *error);
+/* A number of `count` bytes, the lowest first. */
+uint64_t iso_e57_number(const unsigned char *bytes, int count);
 /* The place without checksums of a byte of the file. */
 uint64_t iso_e57_place(const iso_e57_file *file, uint64_t byte);
 
