@@ -27,7 +27,7 @@ trap clean_up EXIT
 clean_up
 mkdir -p "$root"
 if [ ! -e build/bare.tar ]; then
-    debootstrap --variant=minbase bookworm "$root" "$mirror" >build/bare.log 2>&1 || skip "debootstrap: $(tail -n 1 build/bare.log)"
+    debootstrap --variant=minbase bookworm "$root" "$mirror" >build/debootstrap.log 2>&1 || skip "debootstrap: $(tail -n 1 build/debootstrap.log)"
     tar -C "$root" -cf build/bare.tar.new .
     mv build/bare.tar.new build/bare.tar
 else
