@@ -100,7 +100,7 @@ vec2 slope_of(int level, ivec2 at) {
 
 /* The ellipse of a pixel as in render/pullpush/pyramid.h: WIDE, THIN_X, THIN_Y, OUT; WIDE is 0 where there
  * is no point. It is the projection of the pixel's disc along the pixel's ray, low-pass filtered (Zwicker
- * et al. 2001). See ellipses in render/pullpush/levels_simd.h for the derivation. */
+ * et al. 2001). See ellipses in render/pullpush/pull_push_simd.h for the derivation. */
 vec4 ellipse(int level, ivec2 at, pixel p) {
     if (p.range.x >= ISO_GL_NOWHERE) return vec4(0.0);
     float shrink = 1.0 / float(1 << level);

@@ -1,7 +1,7 @@
 /* pullpush_pull.comp: pull, which makes a level from the one below: of four pixels, the frontmost and
  * those less than its interval behind it are averaged; of them, if the ellipse of any contains the coarser
  * pixel's centre, only those whose ellipse does (Marroquim, Kraus and Cavalcanti 2008, section 3.2). The
- * same as render/pullpush/levels_simd.h.
+ * same as render/pullpush/pull_push_simd.h.
  *
  * KEYS 0: the level below is in the buffers of levels. KEYS 1: the level below is level 0, decoded from
  * keys. KEYS 2: no averaging: the level is the base level, decoded from keys. */

@@ -1,6 +1,6 @@
 /* pullpush_push.comp: push, which fills a level, 1 or higher, from the one above: pixels without a point,
  * or with points behind the surface, are mixed from the coarser pixels around them (Marroquim, Kraus and
- * Cavalcanti 2008, section 3.2). The same as render/pullpush/levels_simd.h. */
+ * Cavalcanti 2008, section 3.2). The same as render/pullpush/pull_push_simd.h. */
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 layout(location = ISO_GL_LEVEL) uniform int level;
 

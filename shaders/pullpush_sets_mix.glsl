@@ -11,7 +11,7 @@ float weigh(float q) {
 }
 
 /* Mixes pixel `at` of the level below `number`, whose own value is `own`. `last`: in the last push: weigh_corners
- * and choose_foreign of render/pullpush/levels_simd.h. */
+ * and choose_foreign of render/pullpush/pull_push_simd.h. */
 mixture mixed(int number, ivec2 at, pixel own, bool last) {
     mixture m = mixture(false, false, false, false, ISO_GL_NOWHERE, -ISO_GL_NOWHERE, no_pixel());
     ivec2 fine = at & 1, corner = (at >> 1) + fine - 1;

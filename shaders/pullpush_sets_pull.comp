@@ -1,6 +1,6 @@
 /* pullpush_sets_pull.comp: pull of several sets: of four pixels, those of the frontmost's set whose depth
  * intervals overlap its are averaged. The same as join_intervals, average_children and stretch_shapes of
- * render/pullpush/levels_simd.h. */
+ * render/pullpush/pull_push_simd.h. */
 layout(local_size_x = ISO_GL_TILE, local_size_y = ISO_GL_TILE) in;
 
 const float REACH = 2.0;

@@ -9,7 +9,7 @@
 #include "apps/isorender/channels.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/cuts.h"
-#include "apps/isorender/labels.h"
+#include "apps/isorender/picture_record.h"
 #include "apps/isorender/segmentation.h"
 
 /* ---- options */

@@ -4,7 +4,7 @@
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/flat.h"
-#include "apps/isorender/labels.h"
+#include "apps/isorender/picture_record.h"
 #include "apps/isorender/resolution_level.h"
 #include "scene/bounds.h"
 

@@ -8,8 +8,8 @@
 #include "apps/isorender/annotations.h"
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/cuts.h"
-#include "apps/isorender/labels.h"
 #include "apps/isorender/mpi_ranks.h"
+#include "apps/isorender/picture_record.h"
 #include "base/file_identity.h"
 #include "base/memory.h"
 #include "io/chunk_export.h"
@@ -543,21 +543,21 @@ static void describe_style(const isorender_job *job, iso_key_style *style) {
 }
 
 iso_status isorender_chunks_write_part(isorender_job *job, iso_error *error) {
-    isorender_labels labels;
+    isorender_picture_record record;
     iso_key_file file = {.part = job->settings->part, .parts = job->settings->parts};
     ISO_TRY(describe_bar(job, &file.style, error));
-    ISO_TRY(isorender_labels_make(job, &labels, error));
+    ISO_TRY(isorender_picture_record_make(job, &record, error));
     describe_surface(job, &file.surface);
     describe_style(job, &file.style);
-    file.texts[ISO_KEY_SOFTWARE] = labels.software;
+    file.texts[ISO_KEY_SOFTWARE] = record.software;
     file.texts[ISO_KEY_TITLE] = job->plan->model;
-    file.texts[ISO_KEY_COMMENT] = labels.command;
-    file.texts[ISO_KEY_DESCRIPTION] = labels.isovalues[0] ? labels.isovalues : NULL;
-    file.texts[ISO_KEY_SCENE] = labels.scene;
+    file.texts[ISO_KEY_COMMENT] = record.command;
+    file.texts[ISO_KEY_DESCRIPTION] = record.isovalues[0] ? record.isovalues : NULL;
+    file.texts[ISO_KEY_SCENE] = record.scene;
     iso_status status = draw_keys(job, &job->camera, &file.style.base, &file.keys, error);
     if (status == ISO_OK) status = iso_key_file_write(job->plan->image, &file, error);
     iso_key_image_free(&file.keys);
-    isorender_labels_free(&labels);
+    isorender_picture_record_free(&record);
     if (status == ISO_OK) job->frames_written = 1;
     return status;
 }

@@ -1,6 +1,6 @@
 /* cloud: a file of points as the input: checks options, makes points that can be drawn, reports them. */
 
-#include "apps/isorender/labels.h"
+#include "apps/isorender/picture_record.h"
 #include "base/memory.h"
 #include "base/temporary_file.h"
 #include "scene/bounds.h"

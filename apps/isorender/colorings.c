@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "apps/isorender/labels.h"
+#include "apps/isorender/picture_record.h"
 
 /* One value of the option with what it names. */
 typedef struct color_source {

@@ -56,12 +56,14 @@ static iso_status check_caps(const isorender_settings *settings, iso_error *erro
     if (!isnan(settings->window[0]) && !(settings->window[1] > 0))
         return iso_fail(error, ISO_ERR_USAGE, "--window: the width, %g, is not above 0", settings->window[1]);
     const bool labels = settings->labels || settings->smooth; /* which have caps of their own */
-    const char *unfit = settings->no_input && (shows || !labels) ? "no input"
-                        : settings->object_options.has_cloud     ? "points"
-                        : settings->ior > 0                      ? "--ior"
-                                                                 : NULL;
+    const char *unfit = settings->no_input && shows && labels ? "labels alone"
+                        : settings->no_input && !labels       ? "no input"
+                        : settings->object_options.has_cloud  ? "points"
+                        : settings->ior > 0                   ? "--ior"
+                                                              : NULL;
     if (unfit && isorender_has_caps(settings))
-        return iso_fail(error, ISO_ERR_USAGE, "%s cannot be combined with %s: it shows a volume",
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "%s cannot be combined with %s: it shows the values of a volume",
                         settings->slice_count ? "--slice" : "--cap", unfit);
     return ISO_OK;
 }

@@ -1,5 +1,5 @@
 /* gaussians: a file of 3-D Gaussians as the input: checks options, reports them. */
-#include "apps/isorender/labels.h"
+#include "apps/isorender/picture_record.h"
 
 /* ---- whether they are drawn ---- */
 

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "apps/isorender/channels.h"
-#include "apps/isorender/labels.h"
+#include "apps/isorender/picture_record.h"
 #include "base/text.h"
 
 /* 1234567 bytes as "1.2 MB". */

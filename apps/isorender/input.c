@@ -112,6 +112,7 @@ static iso_status check_no_input(const isorender_settings *settings, iso_error *
                          : settings->points                                 ? "--points"
                          : settings->mesh && !labels                        ? "--mesh"
                          : settings->closed                                 ? "--closed"
+                         : labels                                           ? NULL
                          : input->cropped                                   ? "--crop"
                          : input->cropped_mm                                ? "--crop-mm"
                          : input->largest                                   ? "--largest"
@@ -124,6 +125,9 @@ static iso_status check_no_input(const isorender_settings *settings, iso_error *
     if (of_object)
         return iso_fail(error, ISO_ERR_USAGE, "%s is for surfaces of volumes: here it is %s", option,
                         of_object);
+    if (labels && !settings->volume_options.count)
+        return iso_fail(error, ISO_ERR_USAGE, "%s is for isosurfaces: what is drawn are labels%s", option,
+                        settings->segments ? " (the file names segments: --isovalue draws isosurfaces)" : "");
     return iso_fail(error, ISO_ERR_USAGE,
                     surfaces ? "%s is for an input: there are only further files (--volume and others)"
                              : "%s is for surfaces of volumes: there are lines, glyphs or meshes only",

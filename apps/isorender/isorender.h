@@ -194,10 +194,10 @@ bool isorender_wants_gradients(const isorender_settings *settings);
  * ISO_ERR_NOMEM. */
 iso_status isorender_object_take_gradients(isorender_job *job, isorender_object *object, iso_error *error);
 
-/* ---- splats.c */
+/* ---- groups.c */
 
 bool isorender_uses_groups(const isorender_job *job); /* draws points by --reconstruction groups */
-/* Divides the points of a surface into groups for splats. ISO_ERR_NOMEM, ISO_ERR_LIMIT. */
+/* Divides the points of a surface into groups. ISO_ERR_NOMEM, ISO_ERR_LIMIT. */
 iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error);
 iso_grouping isorender_grouping(const isorender_settings *settings);    /* of the options --group-.. */
 void isorender_report_groups(iso_json *json, const isorender_job *job); /* a member of --json's report */

@@ -198,22 +198,12 @@ static iso_status take_output(isorender_settings *settings, const iso_operands *
     return ISO_OK;
 }
 
-/* Whether something is asked for that isosurfaces of the input have, and its labels have not. */
-static bool wants_isosurface(const isorender_settings *settings) {
-    const iso_input *input = &settings->common.input;
-    return settings->isovalue_count || settings->ior > 0 || settings->parts || settings->instances ||
-           settings->ranks.mpi || settings->chunk_size || settings->absorption_length > 0 ||
-           settings->points || settings->closed || settings->slice_count || settings->keyframe_file ||
-           settings->cap.kind == ISO_CAP_SLICE || input->cropped || input->cropped_mm || input->largest ||
-           input->min_size > 0 || isorender_wants_gradients(settings);
-}
-
 /* A single input whose header names the segments that its labels are (.seg.nrrd) is drawn as --smooth draws
- * it, unless something of isosurfaces is asked for. */
+ * it, unless isosurfaces are asked for. */
 static void take_segments(isorender_settings *settings) {
     const bool unfit = settings->no_input || settings->scene || settings->series_of || settings->labels ||
                        settings->smooth || settings->info || settings->input_count != 1 ||
-                       settings->common.input.has_raw || wants_isosurface(settings);
+                       settings->common.input.has_raw || settings->isovalue_count;
     settings->segments = !unfit && iso_segmentation_has_segments(settings->inputs[0]);
     settings->smooth |= settings->segments;
 }
@@ -715,7 +705,7 @@ iso_status isorender_settings_check(isorender_settings *settings, const iso_oper
     settings->volume_count += settings->volume_options.count;
     ISO_TRY(check_camera(settings, error));
     ISO_TRY(check_gaussians(settings, error));
-    ISO_TRY(isorender_splats_check(settings, error));
+    ISO_TRY(isorender_method_check(settings, error));
     ISO_TRY(isorender_detail_check(settings, error));
     ISO_TRY(take_operands(settings, operands, error));
     ISO_TRY(check_templates(settings, error));

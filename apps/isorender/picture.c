@@ -11,8 +11,8 @@
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/isorender.h"
 #include "apps/isorender/keyframes.h"
-#include "apps/isorender/labels.h"
 #include "apps/isorender/page.h"
+#include "apps/isorender/picture_record.h"
 #include "apps/isorender/scene_file.h"
 #include "base/clock.h"
 #include "base/memory.h"
@@ -72,7 +72,8 @@ static uint64_t hash_image(const iso_image *image) {
     return hash;
 }
 
-iso_status isorender_labels_make(const isorender_job *job, isorender_labels *l, iso_error *error) {
+iso_status isorender_picture_record_make(const isorender_job *job, isorender_picture_record *l,
+                                         iso_error *error) {
     const iso_program *program = isorender_program();
     snprintf(l->software, sizeof l->software, "%s %s", program->name, program->version);
     size_t used = 0;
@@ -86,7 +87,7 @@ iso_status isorender_labels_make(const isorender_job *job, isorender_labels *l, 
     return isorender_scene_text(job, &l->scene, error);
 }
 
-void isorender_labels_free(isorender_labels *l) {
+void isorender_picture_record_free(isorender_picture_record *l) {
     free(l->scene);
 }
 
@@ -102,13 +103,13 @@ double isorender_pixels_per_metre(const isorender_job *job) {
     return density < 2e8 ? density : 0; /* (molecules: no file can state it) */
 }
 
-/* What the file of a picture tells; borrows `labels`. */
-static iso_picture_facts facts_of(const isorender_job *job, const isorender_labels *labels) {
-    return (iso_picture_facts){.software = labels->software,
+/* What the file of a picture tells; borrows `record`. */
+static iso_picture_facts facts_of(const isorender_job *job, const isorender_picture_record *record) {
+    return (iso_picture_facts){.software = record->software,
                                .title = job->plan->model,
-                               .command = labels->command,
-                               .description = labels->isovalues[0] ? labels->isovalues : NULL,
-                               .scene = labels->scene,
+                               .command = record->command,
+                               .description = record->isovalues[0] ? record->isovalues : NULL,
+                               .scene = record->scene,
                                .pixels_per_metre = isorender_pixels_per_metre(job),
                                .sized = job->settings->dpi > 0,
                                .pool = job->pool};
@@ -116,23 +117,23 @@ static iso_picture_facts facts_of(const isorender_job *job, const isorender_labe
 
 iso_status isorender_write_picture(isorender_job *job, iso_image *image, const iso_drawing *over,
                                    const char *path, iso_error *error) {
-    isorender_labels labels;
+    isorender_picture_record record;
     if (iso_page_is_named(path)) return isorender_page_write(job, image, path, error);
-    ISO_TRY(isorender_labels_make(job, &labels, error));
-    const iso_picture_facts facts = facts_of(job, &labels);
+    ISO_TRY(isorender_picture_record_make(job, &record, error));
+    const iso_picture_facts facts = facts_of(job, &record);
     const iso_status status = iso_picture_file_write(path, image, over, &facts, error);
-    isorender_labels_free(&labels);
+    isorender_picture_record_free(&record);
     return status;
 }
 
 static iso_status write_aov(isorender_job *job, int frame, const iso_aov *aov, const char *path,
                             iso_error *error) {
-    isorender_labels labels;
-    ISO_TRY(isorender_labels_make(job, &labels, error));
+    isorender_picture_record record;
+    ISO_TRY(isorender_picture_record_make(job, &record, error));
     const iso_camera camera = isorender_camera_of_frame(job, frame);
-    const iso_picture_facts facts = facts_of(job, &labels);
+    const iso_picture_facts facts = facts_of(job, &record);
     const iso_status status = iso_picture_file_write_aov(path, aov, &camera, &facts, error);
-    isorender_labels_free(&labels);
+    isorender_picture_record_free(&record);
     return status;
 }
 
@@ -320,13 +321,13 @@ static iso_status film_picture(isorender_job *job, int frame, const iso_image *i
     const isorender_settings *settings = job->settings;
     isorender_film *film = settings->film;
     const bool last = film->first + frame + 1 >= film->count;
-    isorender_labels labels;
-    ISO_TRY(isorender_labels_make(job, &labels, error));
-    const iso_picture_facts facts = facts_of(job, &labels);
+    isorender_picture_record record;
+    ISO_TRY(isorender_picture_record_make(job, &record, error));
+    const iso_picture_facts facts = facts_of(job, &record);
     const iso_status status =
         iso_picture_file_add(job->plan->image, image, settings->frame_rate, settings->transparent != 0,
                              &facts, last, &film->video, error);
-    isorender_labels_free(&labels);
+    isorender_picture_record_free(&record);
     if (status == ISO_OK && last) job->frames_written = 1;
     return status;
 }

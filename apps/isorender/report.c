@@ -8,7 +8,7 @@
 #include "apps/isorender/chunks.h"
 #include "apps/isorender/colorings.h"
 #include "apps/isorender/engines.h"
-#include "apps/isorender/labels.h"
+#include "apps/isorender/picture_record.h"
 #include "apps/isorender/segmentation.h"
 #include "base/file.h"
 #include "base/memory.h"

@@ -11,7 +11,7 @@
 #include "apps/common/page.h"
 #include "apps/common/scene_json.h"
 #include "apps/common/value_path.h"
-#include "apps/isorender/labels.h"
+#include "apps/isorender/picture_record.h"
 #include "base/file_types.h"
 
 /* ---- writing */

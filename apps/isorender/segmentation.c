@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "apps/common/json_parts.h"
 #include "apps/isorender/cuts.h"
 #include "apps/isorender/label_items.h"
 #include "apps/isorender/label_table.h"
@@ -39,7 +40,10 @@ iso_status isorender_segmentation_check(const isorender_settings *settings, iso_
                         : settings->chunk_size            ? "--chunk-size"
                         : settings->absorption_length > 0 ? "--absorption"
                                                           : NULL;
-    if (unfit) return iso_fail(error, ISO_ERR_USAGE, "labels cannot be combined with %s", unfit);
+    if (unfit)
+        return iso_fail(
+            error, ISO_ERR_USAGE, "labels cannot be combined with %s%s", unfit,
+            settings->segments ? ": the file names segments, of which --isovalue draws isosurfaces" : "");
     return isorender_label_items_check(&settings->label_items, error);
 }
 
@@ -54,7 +58,8 @@ static iso_status named(const isorender_job *job, iso_status status, iso_error *
 
 static iso_status open_file(isorender_job *job, iso_segmentation *s, iso_error *error) {
     s->input = job->settings->common.input;
-    if (!job->settings->smooth) s->input = (iso_input){.max_memory = s->input.max_memory};
+    if (!job->settings->smooth && !job->settings->no_input) /* these options are the input's */
+        s->input = (iso_input){.max_memory = s->input.max_memory};
     s->loader = (iso_loader){.input = isorender_labels_path(job),
                              .options = &s->input,
                              .files = job->plan->files,
@@ -112,6 +117,10 @@ static iso_status make_items(isorender_job *job, iso_segmentation *s, iso_error 
             "these are %d values of which neighbours mostly differ, as in a scan, not labels: its "
             "surface is drawn without %s (--label all draws each value as a label all the same)",
             s->labels.count - 1, settings->smooth ? "--smooth" : "--labels");
+    if (s->parts.kept)
+        isorender_log(job, "kept %zu of %zu parts of the labels, dropped %zu with %.3g %% of their voxels",
+                      s->parts.kept, s->parts.kept + s->parts.dropped, s->parts.dropped,
+                      100 * s->parts.dropped_share);
     if (missing)
         isorender_log(job, "note: %s has no row for %d label%s (%d%s): coloured by number",
                       settings->label_table, missing, missing > 1 ? "s" : "", first,
@@ -216,6 +225,7 @@ void isorender_report_labels(iso_json *json, const isorender_job *job) {
         iso_json_end_object(json);
     }
     iso_json_end_array(json);
+    if (s->parts.kept) iso_put_components(json, "label_parts", &s->parts);
 }
 
 void isorender_segmentation_note(const isorender_job *job) {

@@ -277,7 +277,7 @@ iso_status isorender_method_require(const isorender_settings *settings, unsigned
                                     const char *what, iso_error *error);
 /* Chooses the reconstruction when none is given, and checks that it is one of the method's and that the
  * options of splats are for splats. Replaces an older name of discs. ISO_ERR_USAGE. */
-iso_status isorender_splats_check(isorender_settings *settings, iso_error *error);
+iso_status isorender_method_check(isorender_settings *settings, iso_error *error);
 /* Chooses the method for --lod if none is given, and checks that it has levels of detail. ISO_ERR_USAGE. */
 iso_status isorender_detail_check(isorender_settings *settings, iso_error *error);
 

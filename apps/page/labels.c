@@ -14,7 +14,7 @@ EXPORT(labels)
 int page_labels(int nx, int ny, int nz, int type, void *data, const double *transform, int count) {
     iso_grid grid = {NULL, NULL};
     ISO_TRY(page_grid(nx, ny, nz, type, data, 1, 0, transform, 0, &grid.rgrid));
-    ISO_TRY(iso_labels_make(&grid, NULL, &made.labels, &page.error));
+    ISO_TRY(iso_labels_make(&grid, NULL, NULL, &made.labels, NULL, &page.error));
     made.group = iso_alloc_zero((size_t)count, sizeof *made.group);
     made.colors = iso_alloc_zero((size_t)count, sizeof *made.colors);
     if (made.group && made.colors && made.labels.count == count) return ISO_OK;

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "grids/labels/label_parts.h"
 
 enum { VALUES = ISO_LABEL_VALUE_MAX + 1 };
 
@@ -118,6 +119,21 @@ static void unite(iso_label *label, const iso_label *other) {
     }
 }
 
+/* Drops parts of labels, and finds anew which values are present. */
+static iso_status drop_parts(reading *r, const iso_label_parts *keep, iso_components_totals *totals,
+                             int workers, iso_error *error) {
+    const iso_labels *labels = r->labels;
+    const int n = labels->dims[0];
+    ISO_TRY(iso_label_parts_drop(r->labels, keep, totals, error));
+    memset(r->present, 0, (size_t)workers * VALUES);
+    for (int z = 0; z < labels->dims[2]; z++)
+        for (int y = 0; y < labels->dims[1]; y++) {
+            const uint16_t *row = row_of(labels, y, z);
+            for (int x = 0; x < n; x = iso_label_run_end(row, x, n)) r->present[row[x]] = 1;
+        }
+    return ISO_OK;
+}
+
 /* Lists the values that some voxel has, and 0. */
 static iso_status list_labels(reading *r, int workers, iso_error *error) {
     iso_labels *labels = r->labels;
@@ -147,7 +163,8 @@ static iso_status check_values(const reading *r, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status read_labels(reading *r, iso_pool *pool, iso_error *error) {
+static iso_status read_labels(reading *r, iso_pool *pool, const iso_label_parts *keep,
+                              iso_components_totals *totals, iso_error *error) {
     iso_labels *labels = r->labels;
     const int workers = iso_pool_threads(pool);
     const size_t slices = (size_t)labels->dims[2];
@@ -160,6 +177,7 @@ static iso_status read_labels(reading *r, iso_pool *pool, iso_error *error) {
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
     iso_parallel_for(pool, slices, read_slice, r);
     ISO_TRY(check_values(r, error));
+    if (keep) ISO_TRY(drop_parts(r, keep, totals, workers, error));
     ISO_TRY(list_labels(r, workers, error));
     iso_parallel_for(pool, slices, number_slice, r);
     for (int i = 0; i < labels->count; i++)
@@ -168,13 +186,14 @@ static iso_status read_labels(reading *r, iso_pool *pool, iso_error *error) {
     return ISO_OK;
 }
 
-iso_status iso_labels_make(const iso_grid *grid, iso_pool *pool, iso_labels *labels, iso_error *error) {
+iso_status iso_labels_make(const iso_grid *grid, iso_pool *pool, const iso_label_parts *keep,
+                           iso_labels *labels, iso_components_totals *totals, iso_error *error) {
     *labels = (iso_labels){.transform = *iso_grid_transform(grid)};
     if (!grid->rgrid)
         return iso_fail(error, ISO_ERR_FORMAT, "not a segmentation: a sparse grid of distances");
     memcpy(labels->dims, grid->rgrid->dims, sizeof labels->dims);
     reading r = {.grid = grid, .labels = labels};
-    const iso_status status = read_labels(&r, pool, error);
+    const iso_status status = read_labels(&r, pool, keep, totals, error);
     iso_free(r.present);
     iso_free(r.bad);
     iso_free(r.place);

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "grids/grid.h"
+#include "grids/parts/components.h"
 
 enum { ISO_LABEL_VALUE_MAX = 65535 };
 
@@ -51,10 +52,19 @@ typedef struct iso_labels {
     int count;
 } iso_labels;
 
-/* Makes a volume of labels of a grid of whole numbers; voxels that are NaN are background. iso_labels_free
+/* The parts of each label (connected along the edges of the grid) that are kept: those that meet both. */
+typedef struct iso_label_parts {
+    size_t largest;    /* only this many of the largest of each label; 0: all */
+    double min_volume; /* smallest volume, mm3; 0: any */
+} iso_label_parts;
+
+/* Makes a volume of labels of a grid of whole numbers; voxels that are NaN are background. `keep`: the voxels
+ * of other parts are background, as `totals` counts them; NULL, and no totals: all are kept. iso_labels_free
  * when done. ISO_ERR_FORMAT: a voxel is no whole number from 0 to ISO_LABEL_VALUE_MAX, or the grid is a level
- * set; ISO_ERR_NOMEM. `pool` may be NULL. */
-iso_status iso_labels_make(const iso_grid *grid, iso_pool *pool, iso_labels *labels, iso_error *error);
+ * set; ISO_ERR_EMPTY: no part of a label is as large as asked; ISO_ERR_LIMIT: parts beyond 2^32;
+ * ISO_ERR_NOMEM. `pool` may be NULL. */
+iso_status iso_labels_make(const iso_grid *grid, iso_pool *pool, const iso_label_parts *keep,
+                           iso_labels *labels, iso_components_totals *totals, iso_error *error);
 void iso_labels_free(iso_labels *labels);
 
 /* Which labels touch: have voxels that share a face. Zero-initialised it is empty. */

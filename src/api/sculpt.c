@@ -5,7 +5,7 @@
 #include "api/internal.h"
 #include "base/memory.h"
 #include "extract/isovalue/isovalue.h"
-#include "sculpt/edit/field.h"
+#include "sculpt/edit/field_from_grid.h"
 #include "sculpt/session/history.h"
 #include "sculpt/session/session.h"
 #include "source/source.h"

@@ -39,7 +39,7 @@ static iso_status check_opacity(double opacity, iso_error *error) {
 static iso_status make_labels(iso_surface *surface, const iso_surface_opts *opts, iso_error *error) {
     iso_labels *labels = &surface->labels;
     iso_pool *pool = surface->volume->pool;
-    ISO_TRY(iso_labels_make(&surface->volume->volume.grid, pool, labels, error));
+    ISO_TRY(iso_labels_make(&surface->volume->volume.grid, pool, NULL, labels, NULL, error));
     uint8_t *group = iso_alloc_zero((size_t)labels->count, 1);
     if (!group) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
     iso_status status = ISO_OK;

@@ -5,7 +5,7 @@
 #define ISO_EXACT_CELL_OUTLINES_SIMD_H
 
 #include "exact/kernel_simd.h"
-#include "exact/pixel_tests_simd.h"
+#include "exact/ray_cell_simd.h"
 
 /* A vector of cells and their rays; see iso_exact_rays. Components 0 .. 2 are u, v, w. Component 3 is the
  * linear part of the field, as if it were a fourth axis: on the surface it differs from -field[0] by at most

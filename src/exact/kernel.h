@@ -8,7 +8,7 @@
  * crossing was found yet).
  *
  * Cells are handled in one of three ways, by their size in the picture:
- * - small cells: pairs of a pixel and a cell, from several cells, are tested together (pixel_tests_simd.h);
+ * - small cells: pairs of a pixel and a cell, from several cells, are tested together (ray_cell_simd.h);
  * - large cells: each is tested alone (large_cells_simd.h);
  * - outlined cells: larger still, with tighter bounds on their pixels (cell_outlines_simd.h,
  *   outlined_cells_simd.h, outlined_roots_simd.h). */

@@ -39,7 +39,7 @@ static iso_status read_layer(iso_segmentation *s, int layer, layers *all, iso_er
     iso_status status = layer ? iso_loader_open(&loader, error) : ISO_OK;
     if (status == ISO_OK && layer) status = iso_loader_read(&loader, error);
     const iso_grid *grid = layer ? &loader.volume.grid : &s->loader.volume.grid;
-    if (status == ISO_OK) status = iso_labels_make(grid, s->loader.pool, &labels, error);
+    if (status == ISO_OK) status = iso_labels_make(grid, s->loader.pool, NULL, &labels, NULL, error);
     if (status == ISO_OK) add_layer(&s->stated, layer, &labels, all);
     iso_labels_free(&labels);
     if (layer) iso_loader_close(&loader);
@@ -104,7 +104,9 @@ static iso_drawn_label make_item(const iso_segmentation *s, int i, const iso_lab
 iso_status iso_segmentation_name(iso_segmentation *s, const char *table, int *missing, int *first,
                                  iso_error *error) {
     iso_label_names rows = {0};
-    ISO_TRY(iso_labels_make(&s->loader.volume.grid, s->loader.pool, &s->labels, error));
+    const iso_label_parts keep = {(size_t)s->input.largest, s->input.min_size};
+    ISO_TRY(iso_labels_make(&s->loader.volume.grid, s->loader.pool,
+                            iso_input_drops_parts(&s->input) ? &keep : NULL, &s->labels, &s->parts, error));
     iso_grid_destroy(&s->loader.volume.grid);
     const size_t count = (size_t)s->labels.count;
     s->items = calloc(count, sizeof *s->items);
@@ -251,7 +253,7 @@ iso_status iso_segmentation_measure(const iso_segmentation *s, iso_mesh_measures
 
 /* ---- whether an input is labels */
 
-enum { FOUND_MOST = 256, ROW_STEP = 3 };
+enum { FOUND_MOST = 256, FEW_VALUES = 8, ROW_STEP = 3 };
 
 typedef struct found_labels {
     bool present[FOUND_MOST + 1];
@@ -283,7 +285,8 @@ int iso_segmentation_guess(const iso_rgrid *grid, int *last) {
             if (!look_at_row(grid, y, z, &found)) return 0;
     for (int i = 0; i <= FOUND_MOST; i++)
         if (found.present[i]) values++, *last = i;
-    const bool plateaus = values == 2 || (double)found.equal >= 0.8 * (double)found.pairs;
+    /* (no scan has so few values) */
+    const bool plateaus = values <= FEW_VALUES || (double)found.equal >= 0.8 * (double)found.pairs;
     return found.present[0] && values >= 2 && plateaus ? values : 0;
 }
 

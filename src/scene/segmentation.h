@@ -21,6 +21,8 @@ typedef struct iso_segmentation {
     iso_loader loader;
     iso_input input; /* how the file is read */
     iso_labels labels;
+    iso_components_totals
+        parts; /* of the parts of labels that `input` keeps and drops; zeros: all are kept */
     /* What the file states. If `layered`, label n is its n-th segment: segments of several layers, */
     iso_label_names stated;
     bool layered;
@@ -37,9 +39,10 @@ typedef struct iso_segmentation {
  * unless one is chosen. Errors of iso_loader_read, iso_label_names_of_file and iso_labels_make. */
 iso_status iso_segmentation_read(iso_segmentation *s, iso_error *error);
 
-/* Makes `labels`, in place of the voxels, and `items`: names and colours of the table in a file (NULL:
- * none), then of the labels' file, then usual ones. *missing, *first: how many labels the table lacks, and
- * the first of them. Errors of iso_label_names_read and iso_labels_make. */
+/* Makes `labels`, in place of the voxels, without the parts that input.largest and input.min_size drop, and
+ * `items`: names and colours of the table in a file (NULL: none), then of the labels' file, then usual ones.
+ * *missing, *first: how many labels the table lacks, and the first of them. Errors of iso_label_names_read
+ * and iso_labels_make. */
 iso_status iso_segmentation_name(iso_segmentation *s, const char *table, int *missing, int *first,
                                  iso_error *error);
 

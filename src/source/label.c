@@ -71,7 +71,7 @@ iso_status iso_source_label_solid(const iso_source *source, const iso_grid *grid
     iso_label_fields *fields = NULL;
     iso_labels labels = {.count = 0};
     iso_error reason = {0};
-    iso_status status = iso_labels_make(grid, source->pool, &labels, &reason);
+    iso_status status = iso_labels_make(grid, source->pool, NULL, &labels, NULL, &reason);
     if (status != ISO_OK) return iso_fail(error, status, "%s: %s", source->path, reason.text);
     const int place = iso_labels_find(&labels, atoi(source->input->label));
     uint8_t *group = iso_alloc_zero((size_t)labels.count, 1);

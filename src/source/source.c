@@ -26,7 +26,7 @@
 #include "io/glyphs/glyphs_read.h"
 #include "io/lines/lines_read.h"
 #include "io/mesh/mesh_read.h"
-#include "sculpt/edit/field.h"
+#include "sculpt/edit/field_from_grid.h"
 #include "source/colors.h"
 #include "source/label.h"
 

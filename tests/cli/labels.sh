@@ -70,6 +70,14 @@ isorender in/named.seg.nrrd segments.png --resolution 200x200 --isovalue 5 2>not
 isorender in/named.seg.nrrd --info >notes 2>&1 && ! grep -q "drawn as labels" notes || exit 1
 draw segments-one in/named.seg.nrrd --label 'left box' && draw one-smooth in/named.seg.nrrd --smooth --label 'left box'
 isocompare images segments-one.png one-smooth.png --fail-under psnr=100 >/dev/null || exit 1
+# No other option turns labels into isosurfaces: it acts on the labels, or is refused by name.
+isorender in/named.seg.nrrd largest.png --resolution 200x200 --largest --json=largest.json 2>notes || exit 1
+grep -q "note: drawn as labels" notes && grep -q "kept [0-9]* of [0-9]* parts of the labels" notes && grep -q '"label_parts"' largest.json || exit 1
+isorender --labels in/named.seg.nrrd alone.png --resolution 200x200 --largest 2>/dev/null || exit 1
+isocompare images largest.png alone.png --fail-under psnr=100 >/dev/null || exit 1
+refuses 2 "labels cannot be combined with --ior: .*--isovalue draws isosurfaces" isorender in/named.seg.nrrd bad.png --ior 1.5 || exit 1
+refuses 2 "--points is for isosurfaces: .*--isovalue draws isosurfaces" isorender in/named.seg.nrrd bad.png --points bad.ply || exit 1
+refuses 6 "no part of a label has 1e+09 mm3" isorender --quiet in/named.seg.nrrd bad.png --min-size 1e9 || exit 1
 isorender in/few.nrrd m.png 2>notes && grep -q "note: these seem to be 3 labels (up to 3): --smooth" notes || exit 1
 isorender in/scan.nrrd m.png --isovalue 45 2>notes && ! grep -q "smooth" notes || exit 1
 # Segments of two layers that overlap.

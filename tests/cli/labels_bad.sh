@@ -37,7 +37,7 @@ done
 refuses 2 "give one of them" isorender in/labels.nrrd --smooth --labels in/labels.nrrd bad.png || exit 1
 refuses 2 "labels cannot be combined with --ior" isorender in/labels.nrrd --smooth --ior 1.5 bad.png || exit 1
 refuses 2 "cannot draw translucent surfaces" isorender in/labels.nrrd --smooth --label 1:0.5 --method mesh bad.png || exit 1
-refuses 2 "shows a volume" isorender in/labels.nrrd --smooth --clip 'x<9' --cap slice bad.png || exit 1
+refuses 2 "shows the values of a volume" isorender in/labels.nrrd --smooth --clip 'x<9' --cap slice bad.png || exit 1
 refuses 7 "in/no/t.csv" isorender --labels in/labels.nrrd --table in/no/t.csv bad.png || exit 1
 refuses 2 "2 labels are written as the objects of an .obj" isorender in/labels.nrrd --smooth --mesh bad.ply --no-image || exit 1
 # The values of a scan are no labels, unless it is said that they are.

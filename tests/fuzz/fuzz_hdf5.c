@@ -1,6 +1,6 @@
 /* fuzz_hdf5: any bytes as a chunk of an HDF5 file, through any filters. This is what this process reads of
  * such files by itself; libhdf5 runs in a child process, whose crashes are expected (hdf5/guard.c,
- * hdf5/decoder.c), and is tried by fuzz_volio.
+ * hdf5/decoder.c), and is tried by fuzz_volumes.
  *
  * Of the first eight bytes, three are the sizes of the chunk, and the others the type of its values, their
  * order and the number of filters, the filters (three bits each), and which ones were skipped; the rest is

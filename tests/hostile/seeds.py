@@ -387,7 +387,7 @@ def point_seeds(source, picture):
 def make(programs, source, folder):
     """All seeds. `source` is the project's folder, `folder` one for what programs write."""
     picture = ["-o", "out.png", "--resolution", "24x24"]
-    volumes = list(volume_seeds()) + list(corpus_seeds(os.path.join(source, "tests/fuzz/corpus/volio")))
+    volumes = list(volume_seeds()) + list(corpus_seeds(os.path.join(source, "tests/fuzz/corpus/volumes")))
     try:
         volumes.append(("vdb", {"a.vdb": written(programs, folder, "s.vdb", "isosculpt", "--replay",
                                                  os.path.join(source, "tests/hostile/ball.strokes"), "--headless", "-o")}))

@@ -1,5 +1,5 @@
 /* blend: the weighted average of the discs that make a layer of the surface at a pixel. Internal to
- * splats. */
+ * groups. */
 #ifndef ISO_RENDER_GROUPS_BLEND_H
 #define ISO_RENDER_GROUPS_BLEND_H
 

@@ -1,4 +1,4 @@
-/* layer_lists: adds the layers of one surface of points to the lists of a band. Internal to splats. */
+/* layer_lists: adds the layers of one surface of points to the lists of a band. Internal to groups. */
 #ifndef ISO_RENDER_GROUPS_LAYER_LISTS_H
 #define ISO_RENDER_GROUPS_LAYER_LISTS_H
 

@@ -1,6 +1,6 @@
 /* slots: for every pixel of a band a slot for each group, which keeps the disc with the smallest key
  * (render/groups/groups.h). Drawing a disc is a minimum of 64-bit keys in each pixel that it covers: the
- * order of discs does not matter, so that all threads and GPUs get the same slots. Internal to splats. */
+ * order of discs does not matter, so that all threads and GPUs get the same slots. Internal to groups. */
 #ifndef ISO_RENDER_GROUPS_SLOTS_H
 #define ISO_RENDER_GROUPS_SLOTS_H
 

@@ -1,10 +1,10 @@
-/* finish_simd: the last push, from level 1 into the gbuffer, by cells as in levels_simd.h (Marroquim, Kraus
- * and Cavalcanti 2008, section 3.2). Nothing is pushed into planes of level 0: a sample is either
+/* finish_simd: the last push, from level 1 into the gbuffer, by cells as in pull_push_simd.h (Marroquim,
+ * Kraus and Cavalcanti 2008, section 3.2). Nothing is pushed into planes of level 0: a sample is either
  * interpolated ("mixed") from the corners of its cell, or it is the point that was projected to its pixel. */
 #ifndef ISO_RENDER_PULLPUSH_FINISH_SIMD_H
 #define ISO_RENDER_PULLPUSH_FINISH_SIMD_H
 
-#include "render/pullpush/levels_simd.h"
+#include "render/pullpush/pull_push_simd.h"
 
 /* A vector of samples to be written into the gbuffer; depth is ISO_NOWHERE where there is none. */
 typedef struct pp_sample {

@@ -1,5 +1,5 @@
 /* gaps_simd: push, second part: where the discs of a surface end at the border of its grid, and the gaps
- * between discs. levels_simd.h describes cells. */
+ * between discs. pull_push_simd.h describes cells. */
 #ifndef ISO_RENDER_PULLPUSH_GAPS_SIMD_H
 #define ISO_RENDER_PULLPUSH_GAPS_SIMD_H
 

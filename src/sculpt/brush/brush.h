@@ -1,8 +1,8 @@
 /* brush: looks up the names of tools, solids and falloffs, and checks the numbers of a brush.
  *
- * The types iso_brush and iso_sample are in isopoint.h. Their lengths (radius, blend) are in millimetres
- * and their positions in world coordinates, never screen coordinates, so a stroke can be replayed on another
- * grid with another voxel size. sculpt/field/edit.c converts them to voxels (iso_dabs of dab.h). */
+ * The types iso_brush and iso_sample are in isopoint.h. Their lengths (radius, blend) are in millimetres and
+ * their positions in world coordinates, never screen coordinates, so a stroke can be replayed on another grid
+ * with another voxel size. sculpt/brush/brush_to_voxels.c converts them to voxels (iso_dabs of dab.h). */
 #ifndef ISO_SCULPT_BRUSH_BRUSH_H
 #define ISO_SCULPT_BRUSH_BRUSH_H
 
@@ -98,9 +98,9 @@ bool iso_tool_is_trim(iso_tool tool);
 /* Whether a picture of heights weighs what the tool does: SMOOTH to CLAY. */
 bool iso_tool_has_alpha(iso_tool tool);
 
-/* The images of a touch, all of which act: repeated ones, with radial symmetry turned ones of these, and with
- * mirror planes the mirror images of all. The first is the touch itself. Unless it is repeated no two are the
- * same. */
+/* symmetry.c: the images of a touch, all of which act: repeated ones, with radial symmetry turned ones of
+ * these, and with mirror planes the mirror images of all. The first is the touch itself. Unless it is
+ * repeated no two are the same. */
 enum { ISO_RADIAL_MOST = 32, ISO_IMAGES_MOST = 8 * ISO_RADIAL_MOST };
 
 /* First moved, then turned around an axis, then mirrored. */

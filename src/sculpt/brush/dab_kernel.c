@@ -292,9 +292,8 @@ ISO_INLINE vf distance_change(const iso_dabs *dabs, const iso_local_dab *dab, co
     if (dabs->tool == ISO_TOOL_DEFLATE) return w;
     const vf plane = clamped(dot(p, dab->axis[2]) - v_set(dab->plane), dabs->band), zero = v_set(0);
     const vf change = w * (plane - f);
-    return dabs->tool == ISO_TOOL_FLATTEN  ? change
-           : dabs->tool == ISO_TOOL_SCRAPE ? v_max(change, zero)
-                                           : v_min(change, zero);
+    if (dabs->tool == ISO_TOOL_FLATTEN) return change;
+    return dabs->tool == ISO_TOOL_SCRAPE ? v_max(change, zero) : v_min(change, zero); /* FILL and CLAY add */
 }
 
 ISO_INLINE vf dab_change(const iso_dabs *dabs, const iso_local_dab *dab, int row, int x, bool heights, vf f) {

@@ -63,7 +63,7 @@ static void make_fields_at(int places, const uint16_t *voxels, const int dims[3]
     const iso_rgrid_desc desc = {
         .dims = {dims[0], dims[1], dims[2]}, .type = ISO_UINT16, .data = (void *)(uintptr_t)voxels};
     assert_int_equal(iso_rgrid_create(&desc, &grid.rgrid, &error), ISO_OK);
-    assert_int_equal(iso_labels_make(&grid, pool, &l->labels, &error), ISO_OK);
+    assert_int_equal(iso_labels_make(&grid, pool, NULL, &l->labels, NULL, &error), ISO_OK);
     iso_grid_destroy(&grid);
     uint8_t *group = calloc((size_t)l->labels.count, 1);
     for (int i = 1; i < l->labels.count; i++) group[i] = one_group ? 1 : (uint8_t)i;
@@ -425,7 +425,7 @@ static iso_status labels_of(const float values[8], iso_labels *labels, iso_error
     iso_grid grid = {0};
     const iso_rgrid_desc desc = {.dims = {2, 2, 2}, .type = ISO_FLOAT32, .data = (void *)(uintptr_t)values};
     test_ok(iso_rgrid_create(&desc, &grid.rgrid, error), error);
-    const iso_status status = iso_labels_make(&grid, NULL, labels, error);
+    const iso_status status = iso_labels_make(&grid, NULL, NULL, labels, NULL, error);
     iso_grid_destroy(&grid);
     return status;
 }
@@ -452,11 +452,110 @@ static void floats_are_labels_or_not(void **state) {
     assert_int_equal(labels_of((const float[8]){0, -1, 1, 1, 1, 1, 1, 1}, &labels, &error), ISO_ERR_FORMAT);
 }
 
+/* ---- parts of labels */
+
+enum { PART_SIDE = 12, PART_VOXELS = PART_SIDE * PART_SIDE * PART_SIDE };
+
+/* Fills a part from its first voxel by a stack, and returns its size. */
+static int fill_part(const float *values, int first, int part, int *of) {
+    static int stack[6 * PART_VOXELS];
+    int top = 0, size = 0;
+    stack[top++] = first;
+    while (top > 0) {
+        const int at = stack[--top], step[3] = {1, PART_SIDE, PART_SIDE * PART_SIDE};
+        if (of[at] || values[at] != values[first]) continue;
+        of[at] = part;
+        size++;
+        for (int k = 0; k < 3; k++) {
+            const int c = at / step[k] % PART_SIDE;
+            if (c > 0) stack[top++] = at - step[k];
+            if (c < PART_SIDE - 1) stack[top++] = at + step[k];
+        }
+    }
+    return size;
+}
+
+/* What stays of random labels, by filling each part on its own. */
+static void keep_by_filling(const float *values, const iso_label_parts *keep, float *kept) {
+    static int of[PART_VOXELS], size[PART_VOXELS + 1], label[PART_VOXELS + 1];
+    int parts = 0;
+    memset(of, 0, sizeof of);
+    for (int i = 0; i < PART_VOXELS; i++)
+        if (values[i] != 0 && !of[i]) {
+            size[parts + 1] = fill_part(values, i, parts + 1, of);
+            label[++parts] = (int)values[i];
+        }
+    for (int i = 0; i < PART_VOXELS; i++) {
+        size_t larger = 0;
+        for (int k = 1; k <= parts && of[i]; k++)
+            larger +=
+                label[k] == label[of[i]] && (size[k] > size[of[i]] || (size[k] == size[of[i]] && k < of[i]));
+        const bool stays =
+            of[i] && size[of[i]] >= keep->min_volume && (!keep->largest || larger < keep->largest);
+        kept[i] = stays ? values[i] : 0;
+    }
+}
+
+static void check_parts(const float *values, const iso_label_parts *keep) {
+    static float wanted[PART_VOXELS];
+    iso_grid grid = {0};
+    iso_labels labels;
+    iso_components_totals totals;
+    iso_error error = {0};
+    uint64_t kept = 0, all = 0;
+    const iso_rgrid_desc desc = {
+        .dims = {PART_SIDE, PART_SIDE, PART_SIDE}, .type = ISO_FLOAT32, .data = (void *)(uintptr_t)values};
+    keep_by_filling(values, keep, wanted);
+    test_ok(iso_rgrid_create(&desc, &grid.rgrid, &error), &error);
+    test_ok(iso_labels_make(&grid, NULL, keep, &labels, &totals, &error), &error);
+    for (int i = 0; i < PART_VOXELS; i++) {
+        assert_int_equal(labels.label[labels.number[i]].value, (int)wanted[i]);
+        kept += wanted[i] != 0;
+        all += values[i] != 0;
+    }
+    for (int i = 1; i < labels.count; i++) assert_true(labels.label[i].voxels > 0);
+    assert_int_equal(totals.kept_voxels, kept);
+    assert_int_equal(totals.dropped_voxels, all - kept);
+    iso_labels_free(&labels);
+    iso_grid_destroy(&grid);
+}
+
+static void parts_are_those_that_filling_finds(void **state) {
+    (void)state;
+    static float values[PART_VOXELS];
+    uint32_t seed = 7;
+    for (int round = 0; round < 40; round++) {
+        for (int i = 0; i < PART_VOXELS; i++) {
+            seed = seed * 1664525u + 1013904223u;
+            const uint32_t dice = seed >> 24; /* of the background 30 to 90 % */
+            values[i] = dice < 75u + 4u * (uint32_t)round ? 0 : (float)(1 + dice % 3 * 100);
+        }
+        check_parts(values, &(iso_label_parts){.largest = (size_t)(round % 4)});
+        check_parts(values, &(iso_label_parts){.min_volume = 1 + round % 2});
+        check_parts(values, &(iso_label_parts){.largest = 5, .min_volume = 2});
+    }
+    iso_labels labels;
+    iso_components_totals totals;
+    iso_error error = {0};
+    iso_grid grid = {0};
+    const iso_rgrid_desc desc = {
+        .dims = {PART_SIDE, PART_SIDE, PART_SIDE}, .type = ISO_FLOAT32, .data = values};
+    test_ok(iso_rgrid_create(&desc, &grid.rgrid, &error), &error);
+    assert_int_equal(
+        iso_labels_make(&grid, NULL, &(iso_label_parts){.min_volume = 1e9}, &labels, &totals, &error),
+        ISO_ERR_EMPTY);
+    iso_grid_destroy(&grid);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shapes_are_true),          cmocka_unit_test(no_voxel_changes),
-        cmocka_unit_test(places_have_one_label),    cmocka_unit_test(same_bytes),
-        cmocka_unit_test(floats_are_labels_or_not), cmocka_unit_test(drawn_fields_are_those_of_the_band),
+        cmocka_unit_test(parts_are_those_that_filling_finds),
+        cmocka_unit_test(shapes_are_true),
+        cmocka_unit_test(no_voxel_changes),
+        cmocka_unit_test(places_have_one_label),
+        cmocka_unit_test(same_bytes),
+        cmocka_unit_test(floats_are_labels_or_not),
+        cmocka_unit_test(drawn_fields_are_those_of_the_band),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

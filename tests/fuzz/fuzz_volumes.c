@@ -1,4 +1,4 @@
-/* fuzz_volio: any bytes as a volume file. The first byte chooses the name, and so the reader that a file
+/* fuzz_volumes: any bytes as a volume file. The first byte chooses the name, and so the reader that a file
  * without a magic number gets; the rest is the file. Whatever happens must end in a volume or in one line.
  *
  * With clang and -fsanitize=fuzzer this is a libFuzzer target, with fuzz_replay.c a program that replays
@@ -23,7 +23,7 @@ enum { RAW = 9, SUFFIXES = sizeof suffixes / sizeof *suffixes };
 static const char *write_file(int which, const uint8_t *bytes, size_t count) {
     static char path[256];
     const char *folder = getenv("TMPDIR");
-    snprintf(path, sizeof path, "%s/fuzz_volio.%ld.%s", folder ? folder : "/tmp", (long)getpid(),
+    snprintf(path, sizeof path, "%s/fuzz_volumes.%ld.%s", folder ? folder : "/tmp", (long)getpid(),
              suffixes[which]);
     FILE *file = fopen(path, "wb");
     fuzz_check(file && fwrite(bytes, 1, count, file) == count, "no room for the file");

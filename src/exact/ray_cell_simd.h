@@ -1,10 +1,10 @@
-/* pixel_tests_simd: decides for vectors of pairs of a pixel and a cell whether the pixel's ray crosses the
+/* ray_cell_simd: decides for vectors of pairs of a pixel and a cell whether the pixel's ray crosses the
  * surface in the cell. The ray is clipped to the cell (its chord); the field along the chord is a cubic
  * (Parker et al. 1998), whose sign changes are counted by those of its Bernstein coefficients. The general
  * test also handles ties (faces that equal the isovalue), the near plane and cells next to the eye; the plain
  * test leaves these out. */
-#ifndef ISO_EXACT_PIXEL_TESTS_SIMD_H
-#define ISO_EXACT_PIXEL_TESTS_SIMD_H
+#ifndef ISO_EXACT_RAY_CELL_SIMD_H
+#define ISO_EXACT_RAY_CELL_SIMD_H
 
 #include "exact/clip_simd.h"
 #include "exact/kernel_simd.h"

@@ -1,6 +1,6 @@
 /* Converts a grid to a level set for sculpting: a level set is copied, any other grid is resampled
  * (grids/level_set.h) and redistanced. */
-#include "sculpt/edit/field.h"
+#include "sculpt/edit/field_from_grid.h"
 
 #include <math.h>
 

@@ -1,10 +1,10 @@
-/* levels_simd: pull and push: the levels of the pyramid (Marroquim, Kraus and Cavalcanti 2008, sections 3.1
- * and 3.2).
+/* pull_push_simd: pull and push: the levels of the pyramid (Marroquim, Kraus and Cavalcanti 2008, sections
+ * 3.1 and 3.2).
  *
  * Rows are processed a vector of coarser pixels at a time, that is two vectors of finer pixels. The
  * parameters `keys` and `sides` of the functions are constants for the compiler. */
-#ifndef ISO_RENDER_PULLPUSH_LEVELS_SIMD_H
-#define ISO_RENDER_PULLPUSH_LEVELS_SIMD_H
+#ifndef ISO_RENDER_PULLPUSH_PULL_PUSH_SIMD_H
+#define ISO_RENDER_PULLPUSH_PULL_PUSH_SIMD_H
 
 #include "render/pullpush/ellipses_simd.h"
 

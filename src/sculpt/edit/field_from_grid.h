@@ -1,6 +1,6 @@
-/* field: converts any grid to a level set that can be sculpted. */
-#ifndef ISO_SCULPT_EDIT_FIELD_H
-#define ISO_SCULPT_EDIT_FIELD_H
+/* field_from_grid: converts any grid to a level set that can be sculpted. */
+#ifndef ISO_SCULPT_EDIT_FIELD_FROM_GRID_H
+#define ISO_SCULPT_EDIT_FIELD_FROM_GRID_H
 
 #include <stdbool.h>
 

@@ -1,8 +1,8 @@
-/* Reconstructions of pullpush, discs and splats: checks them and the options of splats, divides points into
- * groups, and reports the groups. */
+/* The method, its reconstruction and the options of groups: what is usual if none is given, what the method
+ * can draw, and refusals of what it cannot. */
 #include "apps/isorender/isorender.h"
 
-/* The option of splats that is given, NULL: none. */
+/* The option of groups that is given, NULL: none. */
 static const char *given_option(const isorender_settings *settings) {
     return settings->groups               ? "--groups"
            : settings->group_overlap > 0  ? "--group-overlap"
@@ -82,7 +82,7 @@ static iso_status check_reconstruction(const isorender_settings *settings, iso_e
     return ISO_OK;
 }
 
-iso_status isorender_splats_check(isorender_settings *settings, iso_error *error) {
+iso_status isorender_method_check(isorender_settings *settings, iso_error *error) {
     if ((settings->transparency || settings->selection) && settings->method == ISORENDER_METHOD_UNCHOSEN)
         settings->method = ISO_METHOD_SPLATS;
     settings->old_discs =
@@ -98,50 +98,4 @@ iso_status isorender_splats_check(isorender_settings *settings, iso_error *error
                         iso_methods_that_can(ISO_CAN_GROUPS, (char[ISO_METHODS_TEXT]){0}));
     ISO_TRY(check_transparency(settings, error));
     return check_selection(settings, error);
-}
-
-bool isorender_uses_groups(const isorender_job *job) {
-    return job->renderer->method == ISO_METHOD_SPLATS;
-}
-
-iso_status isorender_groups_make(isorender_job *job, int surface, iso_error *error) {
-    iso_scene_surface *scene = &job->surfaces[surface].scene;
-    ISO_TRY(iso_scene_surface_update(scene, ISO_PART_GROUPS, error));
-    const iso_point_view points = iso_scene_surface_points(scene);
-    const double count = (double)iso_point_view_count(&points);
-    isorender_log_verbose(job, "%d groups: %.2f overlapping discs a disc, %.4f of them in its group",
-                          scene->groups.count, 2 * (double)scene->groups.joined / count,
-                          2 * (double)scene->groups.conflicts / count);
-    return ISO_OK;
-}
-
-iso_grouping isorender_grouping(const isorender_settings *settings) {
-    return (iso_grouping){.limit = settings->groups,
-                          .overlap = settings->group_overlap,
-                          .coplanar = settings->group_coplanar,
-                          .ignore_opposite = settings->group_opposite != 0,
-                          .once = true,
-                          .radii = (iso_group_radii)settings->group_radii};
-}
-
-static void report_widening(iso_json *json, const iso_groups *groups) {
-    double widening[ISO_GROUPS_MOST];
-    for (int k = 0; k < groups->count; k++) widening[k] = (double)groups->widening[k];
-    iso_json_reals(json, "radius_factors", widening, groups->count);
-}
-
-void isorender_report_groups(iso_json *json, const isorender_job *job) {
-    if (!isorender_uses_groups(job)) return;
-    iso_json_begin_array(json, "groups");
-    for (int i = 0; i < job->surface_count; i++) {
-        const iso_groups *groups = &job->surfaces[i].scene.groups;
-        iso_json_begin_object(json, NULL);
-        iso_json_integer(json, "count", (uint64_t)groups->count);
-        iso_json_integer(json, "overlaps", groups->joined);
-        iso_json_integer(json, "conflicts", groups->conflicts);
-        if (groups->copies) iso_json_integer(json, "copies", groups->copy_count);
-        if (groups->widening[0] > 0) report_widening(json, groups);
-        iso_json_end_object(json);
-    }
-    iso_json_end_array(json);
 }

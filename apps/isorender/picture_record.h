@@ -1,19 +1,20 @@
-/* labels: what is written into and onto pictures beside the surface; picture.c. */
-#ifndef ISO_APPS_ISORENDER_LABELS_H
-#define ISO_APPS_ISORENDER_LABELS_H
+/* picture_record: what a picture's file says of the picture beside its pixels, and units of lengths in it. */
+#ifndef ISO_APPS_ISORENDER_PICTURE_RECORD_H
+#define ISO_APPS_ISORENDER_PICTURE_RECORD_H
 
 #include "apps/isorender/isorender.h"
 #include "scene/picture_file.h"
 
 /* Metadata of the picture's file. Without paths and thread counts, so that the same picture is the same file
  * everywhere. */
-typedef struct isorender_labels {
+typedef struct isorender_picture_record {
     char software[64], isovalues[512], command[ISO_RECORD_SIZE + 256];
     char *scene; /* isorender_scene_text; owned, or NULL */
-} isorender_labels;
-/* isorender_labels_free when done. ISO_ERR_NOMEM. */
-iso_status isorender_labels_make(const isorender_job *job, isorender_labels *labels, iso_error *error);
-void isorender_labels_free(isorender_labels *labels);
+} isorender_picture_record;
+/* isorender_picture_record_free when done. ISO_ERR_NOMEM. */
+iso_status isorender_picture_record_make(const isorender_job *job, isorender_picture_record *record,
+                                         iso_error *error);
+void isorender_picture_record_free(isorender_picture_record *record);
 /* camera.c: the end of the command that the picture's file states: --fit=box if the picture frames the box
  * only because it is drawn in chunks; else nothing. */
 const char *isorender_camera_record(const isorender_job *job);
