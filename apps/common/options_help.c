@@ -199,22 +199,30 @@ static bool speaks_of(const iso_option *option, const char *word) {
     return false;
 }
 
-/* Prints the options that speak of a word, or that the word is what others call them. */
+/* How well an option answers a question for a word: 0: it is called so, also by others; 1: it speaks of it.
+ * */
+enum { CALLED, SPOKEN_OF, NEITHER };
+static int rank(const iso_program *program, const iso_option *option, const char *word, const char *name) {
+    if (iso_options_find(program, name, strlen(name)) == option || iso_synonym_means(name, option->name))
+        return CALLED;
+    return speaks_of(option, word) || speaks_of(option, name) ? SPOKEN_OF : NEITHER;
+}
+
+/* Prints the options that a word is the name of, or what others call them, and then those that speak of it.
+ * */
 static bool print_options_with(const iso_program *program, const char *word, FILE *stream) {
     bool found = false;
     char name[64]; /* as an option's name */
     snprintf(name, sizeof name, "%s", word);
     for (char *c = name; *c; c++) *c = *c == ' ' || *c == '_' ? '-' : (char)tolower((unsigned char)*c);
-    for (int group = 0; program->groups[group]; group++)
-        for (size_t i = 0; i < program->option_count; i++) {
-            const iso_option *option = &program->options[i];
-            if (!is_shown(option, group)) continue;
-            if (!speaks_of(option, word) && !speaks_of(option, name) &&
-                !iso_synonym_means(name, option->name))
-                continue;
-            print_option(stream, option);
-            found = true;
-        }
+    for (int wanted = CALLED; wanted < NEITHER; wanted++)
+        for (int group = 0; program->groups[group]; group++)
+            for (size_t i = 0; i < program->option_count; i++) {
+                const iso_option *option = &program->options[i];
+                if (!is_shown(option, group) || rank(program, option, word, name) != wanted) continue;
+                print_option(stream, option);
+                found = true;
+            }
     return found;
 }
 

@@ -35,10 +35,11 @@ static bool shows_slices_alone(const isorender_settings *settings) {
 
 enum { OBSTACLE_TEXT = ISO_METHODS_TEXT + 80 };
 
-/* The first option that chunks do not allow, and why; NULL: there is none. */
-static const char *find_obstacle(const isorender_job *job, char reason[OBSTACLE_TEXT]) {
+/* Finds the first option that chunks do not allow, and refuses it. */
+static iso_status check_obstacles(const isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
-    char keyed[OBSTACLE_TEXT], who[ISO_METHODS_TEXT];
+    char keyed[OBSTACLE_TEXT], who[ISO_METHODS_TEXT], method[64];
+    snprintf(method, sizeof method, "--method %s", job->renderer->name);
     snprintf(keyed, sizeof keyed, "only %s decides pixels by an order that is known beforehand",
              iso_methods_that_can(ISO_CAN_CHUNKS, who));
     const struct {
@@ -46,7 +47,7 @@ static const char *find_obstacle(const isorender_job *job, char reason[OBSTACLE_
         const char *option, *reason;
     } obstacles[] = {
         {settings->instances != NULL, "--instances", "an instance shows the whole surface"},
-        {!(job->renderer->can & ISO_CAN_CHUNKS), "--method", keyed},
+        {!(job->renderer->can & ISO_CAN_CHUNKS), method, keyed},
         {settings->primitive != ISO_PRIMITIVE_AUTO && settings->primitive != ISO_PRIMITIVE_EDGE,
          "--primitive", "only edge points are made chunk by chunk"},
         {isorender_is_translucent(settings) && !shows_slices_alone(settings), "--opacity",
@@ -71,12 +72,12 @@ static const char *find_obstacle(const isorender_job *job, char reason[OBSTACLE_
          "connected parts extend over all chunks"},
         {job->loader.volume.info.sparse, "a sparse volume", "only dense ones have chunks"},
     };
-    for (size_t i = 0; i < sizeof obstacles / sizeof *obstacles; i++) {
-        if (!obstacles[i].given) continue;
-        snprintf(reason, OBSTACLE_TEXT, "%s", obstacles[i].reason);
-        return obstacles[i].option;
-    }
-    return NULL;
+    for (size_t i = 0; i < sizeof obstacles / sizeof *obstacles; i++)
+        if (obstacles[i].given)
+            return iso_fail(error, ISO_ERR_USAGE,
+                            "%s cannot be drawn in chunks (--part, --chunk-size, mpirun): %s",
+                            obstacles[i].option, obstacles[i].reason);
+    return ISO_OK;
 }
 
 static bool is_asked_for(const isorender_settings *settings) {
@@ -119,15 +120,12 @@ static int choose_side(const isorender_job *job) {
 
 iso_status isorender_chunks_choose(isorender_job *job, iso_error *error) {
     const isorender_settings *settings = job->settings;
-    char reason[OBSTACLE_TEXT];
     if (!is_asked_for(settings) && !is_too_large(job) && !is_mostly_absent(job)) return ISO_OK;
     if (!job->has_volume)
         return iso_fail(error, ISO_ERR_USAGE, "--part, --chunk-size and mpirun are for volumes");
-    const char *option = find_obstacle(job, reason);
-    if (option && is_asked_for(settings))
-        return iso_fail(error, ISO_ERR_USAGE,
-                        "%s cannot be drawn in chunks (--part, --chunk-size, mpirun): %s", option, reason);
-    if (option || (!isorender_plan_draws(job->plan) && !exports(job)))
+    const iso_status fit = check_obstacles(job, error);
+    if (fit != ISO_OK && is_asked_for(settings)) return fit;
+    if (fit != ISO_OK || (!isorender_plan_draws(job->plan) && !exports(job)))
         return ISO_OK; /* the volume is refused when it is read, or its surface when it is made */
     job->chunks = calloc(1, sizeof *job->chunks);
     if (!job->chunks) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");

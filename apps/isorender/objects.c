@@ -60,9 +60,9 @@ static iso_status find_attribute(isorender_object *object, const char *name, con
     for (int i = 0, used = 0; i < count && used < (int)sizeof names; i++)
         used +=
             snprintf(names + used, sizeof names - (size_t)used, "%s%s", i ? ", " : "", attributes[i].name);
-    return iso_fail(error, ISO_ERR_USAGE, "%s%shas no column '%s'; its columns: %s",
+    return iso_fail(error, ISO_ERR_USAGE, "%s%shas no column '%s'; its columns: %s%s",
                     object->settings->path ? object->settings->path : "", object->settings->path ? ": " : "",
-                    name, names);
+                    name, names, has_lines(object) ? "" : "; and x, y, z");
 }
 
 /* ---- radii */

@@ -17,10 +17,33 @@
 #error "ISO_VERSION comes from CMake"
 #endif
 
-enum group { INPUT, SURFACE, POINTS, OBJECTS, PICTURE, CAMERA, OUTPUT, RUNNING, PAPERS };
-static const char *const groups[] = {
-    "Input",  "Surface", "Points",  "Lines, glyphs and meshes",          "Picture",
-    "Camera", "Output",  "Running", "Papers: variants, to compare with", NULL};
+enum group {
+    INPUT,
+    SURFACE,
+    CUTS,
+    COLORS,
+    LABELS,
+    POINTS,
+    OBJECTS,
+    PICTURE,
+    CAMERA,
+    OUTPUT,
+    RUNNING,
+    PAPERS
+};
+static const char *const groups[] = {"Input",
+                                     "Surface",
+                                     "Cuts and slices",
+                                     "Colors by data, and their bars",
+                                     "Labels",
+                                     "Points",
+                                     "Lines, glyphs and meshes",
+                                     "Picture",
+                                     "Camera",
+                                     "Output",
+                                     "Running",
+                                     "Papers: variants, to compare with",
+                                     NULL};
 
 static const char *const usage[] = {"[options] IN [OUT.png | OUT.html]",
                                     "[options] --output TEMPLATE IN ...",
@@ -31,10 +54,9 @@ static const char *const usage[] = {"[options] IN [OUT.png | OUT.html]",
                                     NULL};
 
 /* The reconstructions of a method have an option of their own. The names come from the table of renderers. */
-enum { METHODS = ISO_METHOD_FAMILIES };
-/* Files of 3-D Gaussians have a renderer that no isosurface has. */
-enum { METHOD_GAUSSIANS = METHODS };
-static const char *method_names[METHODS + 2]; /* filled by isorender_program */
+static const char *method_names[ISO_METHOD_FAMILIES_MOST + 2]; /* filled by list_methods, and */
+static char method_help[1024];
+static int method_gaussians; /* files of 3-D Gaussians have a renderer that no isosurface has */
 static const char *const reconstructions[] = {"curved", "box",  "gaussian", "flat", "onepass",
                                               "ewa",    "mean", "groups",   NULL};
 static const char *const transparencies[] = {"sorted", "groups", "nearest", NULL};
@@ -395,26 +417,26 @@ static const iso_option options[] = {
      "cut away " ISO_CUT_FORMS ", in mm, LPS; the normal points to what is cut away, camera: is so far into "
      "the view; ras: takes RAS, as NIfTI files state, keep: cuts the rest, @ only certain surfaces; several "
      "cut one after the other",
-     .group = SURFACE, CALL(isorender_apply_clip), .flags = ISO_OPTION_REPEATABLE},
+     .group = CUTS, CALL(isorender_apply_clip), .flags = ISO_OPTION_REPEATABLE},
     {"cap", NULL, "slice|surface|COLOR|none",
      "close what --clip cuts: slice (it shows the volume; slice:COLORMAP in other colours than gray), "
      "surface (the surface's colour), a colour, or none",
-     .group = SURFACE, .standard = "none", CALL(isorender_apply_cap)},
+     .group = CUTS, .standard = "none", CALL(isorender_apply_cap)},
     {"slice", NULL, "PLANE",
      "show a slice of the volume, with the outlines of its surfaces: at x=MM (so y, z), x (in the middle; "
      "also sagittal, coronal, axial), X,Y,Z:NX,NY,NZ or camera:MM, in mm, LPS or behind ras: RAS; alone with "
      "--opacity 0",
-     .group = SURFACE, CALL(isorender_apply_slice), .flags = ISO_OPTION_REPEATABLE},
+     .group = CUTS, CALL(isorender_apply_slice), .flags = ISO_OPTION_REPEATABLE},
     {"surface-color-by", NULL, "WHAT",
      "colour isosurfaces, and meshes, by a volume (FILE or FILE:ARRAY; gray where it has no values), a "
      "mesh's numbers (lh.curv, lh.annot, .func.gii), curvature, distance:FILE (from its surface, in mm, "
      "below 0 inside; distance:FILE:ISOVALUE), depth or normal; @N,.. behind it: only certain surfaces",
-     .group = SURFACE, CALL(isorender_apply_surface_color_by),
+     .group = COLORS, CALL(isorender_apply_surface_color_by),
      .flags = ISO_OPTION_REPEATABLE | ISO_OPTION_READS_PART},
     {"window", NULL, "CENTER,WIDTH|auto",
      "the values that caps and slices show, from black to white; auto: all but the least and the greatest 1 "
      "%",
-     .group = SURFACE, .standard = "all values", CALL(isorender_apply_window)},
+     .group = CUTS, .standard = "all values", CALL(isorender_apply_window)},
 
 #include "apps/isorender/object_options.inc"
 
@@ -425,16 +447,8 @@ static const iso_option options[] = {
      "there are these columns; drawn as discs. What is out of view or hidden takes hardly any time. "
      "--volume, --lines, --glyphs and --surface are drawn once, beside them",
      .group = PICTURE, TEXT(instances), .flags = ISO_OPTION_READS},
-    {"method", NULL, "NAME",
-     "how the surface is drawn: exact (the trilinear surface itself, at any zoom: choose it for pictures), "
-     "mesh (Marching Cubes: to see what --mesh exports, or to compare with other programs), discs (points as "
-     "discs that follow the surface's curvature: the best picture of points), pullpush (points, and the "
-     "surface between them reconstructed in an image pyramid: Marroquim et al. 2008; --lines are drawn that "
-     "way, too), points (discs parallel to the picture: to see the samples themselves), splats (points as "
-     "flat discs with smooth edges: for files of points), raycast (rays through the field, slow: to check "
-     "the others), hybrid (triangles where the volume's cells are larger than 3 pixels, points elsewhere: "
-     "also of 2008) or gaussians (files of 3-D Gaussians: translucent ellipsoids, sorted by depth)",
-     .group = PICTURE, .standard = "exact, for files of points splats, of 3-D Gaussians gaussians",
+    {"method", NULL, "NAME", method_help, .group = PICTURE,
+     .standard = "exact, for files of points splats, of 3-D Gaussians gaussians",
      CHOICE(method, method_names), .hint = "raycast follows rays, mesh draws Marching Cubes"},
     {"reconstruction", NULL, "NAME",
      "of pullpush: gaussian or box (Gaussian or equal weights in ellipses; Marroquim 2008); of discs: "
@@ -676,6 +690,23 @@ static void note_option(void *target, const iso_option *option, const char *valu
     settings->noted_count++;
 }
 
+/* Names and explains the methods as the table of renderers does. */
+static void list_methods(void) {
+    int count;
+    const iso_method *families = iso_method_families(&count);
+    int used = snprintf(method_help, sizeof method_help, "how the surface is drawn:");
+    for (int i = 0; i < count; i++) {
+        const iso_renderer *renderer = iso_renderer_get(families[i]);
+        method_names[i] = renderer->name;
+        used += snprintf(method_help + used, sizeof method_help - (size_t)used, " %s (%s)%s", renderer->name,
+                         renderer->purpose, i + 1 < count ? "," : "");
+    }
+    snprintf(method_help + used, sizeof method_help - (size_t)used,
+             " or gaussians (files of 3-D Gaussians: translucent ellipsoids, sorted by depth)");
+    method_names[count] = "gaussians";
+    method_gaussians = count;
+}
+
 const iso_program *isorender_program(void) {
     static const iso_program program = {.name = "isorender",
                                         .version = ISO_VERSION,
@@ -689,8 +720,7 @@ const iso_program *isorender_program(void) {
                                         .section_count = sizeof sections / sizeof *sections,
                                         .seen = note_option};
     for (int i = 0; i < ISO_REFRACTIONS; i++) refractions[i] = iso_refraction_name((iso_refraction)i);
-    for (int i = 0; i < METHODS; i++) method_names[i] = iso_method_name(iso_method_families[i]);
-    method_names[METHOD_GAUSSIANS] = "gaussians";
+    list_methods();
     return &program;
 }
 
@@ -725,10 +755,10 @@ iso_status isorender_settings_parse(int argc, char *const *argv, isorender_setti
     if (status != ISO_OK && error && operands->count == 1 && strncmp(error->text, "option --raw:", 13) == 0)
         return iso_fail(error, status, "%s: %s", operands->values[0], error->text);
     ISO_TRY(status);
-    settings->gaussians = settings->method == METHOD_GAUSSIANS;
+    settings->gaussians = settings->method == method_gaussians;
     if (settings->gaussians) settings->method = ISORENDER_METHOD_UNCHOSEN;
     if (settings->method != ISORENDER_METHOD_UNCHOSEN)
-        settings->method = (int)iso_method_families[settings->method];
+        settings->method = (int)iso_method_families(&(int){0})[settings->method];
     if (settings->common.action) return ISO_OK;
     ISO_TRY(isorender_look_apply(settings, error));
     return isorender_settings_check(settings, operands, error);

@@ -12,9 +12,10 @@
 #include "scene/picture_grid.h"
 
 enum { PANELS = 26, TITLE = 160 }; /* letters a to z */
+enum { PANEL_OPTIONS = 8 };        /* that differ */
 
 bool isorender_has_panels(const isorender_settings *settings) {
-    return settings->panels || settings->panel_files.count;
+    return settings->panels.count || settings->panel_files.count;
 }
 
 /* ---- what differs */
@@ -54,10 +55,10 @@ static iso_status fail_form(const char *text, size_t length, bool unknown, iso_e
         text, hint);
 }
 
-/* The option that --panels changes. */
-static iso_status find_option(const isorender_settings *settings, const iso_option **option,
+/* The option that one --panels changes, and the list of its values. */
+static iso_status find_option(const isorender_settings *settings, const char *text, const iso_option **option,
                               const char **values, iso_error *error) {
-    const char *text = settings->panels, *equals = strchr(text, '=');
+    const char *equals = strchr(text, '=');
     const size_t length = equals ? (size_t)(equals - text) : strlen(text);
     const bool is_time = length == 4 && strncmp(text, "time", 4) == 0;
     *option = is_time ? iso_options_find(isorender_program(), "component", strlen("component"))
@@ -108,22 +109,27 @@ iso_status isorender_panels_check(isorender_settings *settings, iso_error *error
                         : settings->common.json     ? "--json"
                                                     : isorender_panels_unfit(settings);
     if (unfit) return iso_fail(error, ISO_ERR_USAGE, "--panels cannot be combined with %s", unfit);
-    if (settings->panels && settings->panel_files.count)
-        return iso_fail(error, ISO_ERR_USAGE, "panels differ in one thing: give --panels or --panel-file");
-    if (settings->panels && settings->input_count && iso_spool_is_stream(settings->inputs[0]))
+    if (settings->panels.count && settings->panel_files.count)
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "panels are of one file or of several: give --panels or --panel-file");
+    if (settings->panels.count && settings->input_count && iso_spool_is_stream(settings->inputs[0]))
         return iso_fail(error, ISO_ERR_USAGE, "--panels reads %s for each panel: it must be a file",
                         iso_spool_name(settings->inputs[0]));
     if (given && strcmp(settings->backend, "auto") == 0) settings->backend = "cpu";
     const iso_option *option;
     const char *values;
-    return settings->panels ? find_option(settings, &option, &values, error) : ISO_OK;
+    if (settings->panels.count > PANEL_OPTIONS)
+        return iso_fail(error, ISO_ERR_USAGE, "more than %d options --panels", PANEL_OPTIONS);
+    for (int i = 0; i < settings->panels.count; i++)
+        ISO_TRY(find_option(settings, settings->panels.values[i], &option, &values, error));
+    return ISO_OK;
 }
 
 /* ---- the commands of panels */
 
 /* A panel's command line, and what it is made into. */
 typedef struct cell {
-    char **argv, *made; /* made: the argument of its own, or NULL */
+    char **argv, *made[PANEL_OPTIONS]; /* made: the arguments of its own, or NULL */
     int argc;
     iso_operands operands;
     isorender_settings settings;
@@ -153,21 +159,22 @@ static iso_status named(const cell *c, int number, iso_status status, iso_error 
     return iso_fail(error, status, "panel %c (%.60s): %s", 'a' + number, c->title, text);
 }
 
-/* Parses the command of a panel: the options of the sheet but for those named, then `argument`; the input is
- * `file`, if it is not NULL. */
-static iso_status parse_cell(const sheet *p, cell *c, const char *option, const char *file,
+/* Makes the command of a panel: that of the sheet without the options of sheets and without those of its own,
+ * which are in `own`; the input is `file`, if it is not NULL. */
+static iso_status parse_cell(const sheet *p, cell *c, const char *const *own, int own_count, const char *file,
                              iso_error *error) {
     static const char *const left_out[] = {"panels", "panel-file", "panel-titles", "panel-columns",
                                            "save-scene"};
-    const char *names[6];
+    enum { LEFT_OUT = sizeof left_out / sizeof *left_out, MORE = 1 + PANEL_OPTIONS + ISORENDER_BARS };
+    const char *names[LEFT_OUT + PANEL_OPTIONS];
     const isorender_settings *settings = p->settings;
     memcpy(names, left_out, sizeof left_out);
-    names[5] = option;
-    c->argv = calloc((size_t)settings->argc + 2 + ISORENDER_BARS, sizeof *c->argv);
-    c->operands.values = calloc((size_t)settings->argc + 2 + ISORENDER_BARS, sizeof *c->operands.values);
+    for (int i = 0; i < own_count; i++) names[LEFT_OUT + i] = own[i];
+    c->argv = calloc((size_t)settings->argc + MORE, sizeof *c->argv);
+    c->operands.values = calloc((size_t)settings->argc + MORE, sizeof *c->operands.values);
     if (!c->argv || !c->operands.values) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-    c->argc = iso_options_without(isorender_program(), settings->argc, settings->argv, names, option ? 6 : 5,
-                                  c->argv);
+    c->argc = iso_options_without(isorender_program(), settings->argc, settings->argv, names,
+                                  LEFT_OUT + own_count, c->argv);
     bool replaced = !file;
     for (int i = 1; i < c->argc; i++)
         if (file && c->argv[i] == p->settings->inputs[0])
@@ -212,24 +219,38 @@ static void make_title(const char *what, const char *value, char title[TITLE]) {
         if (*c == '-') *c = ' ';
 }
 
+/* Adds a panel for each value of the first --panels; further ones have as many values, which go with these.
+ * */
 static iso_status add_values(sheet *p, iso_error *error) {
-    const iso_option *option;
-    const char *values;
-    list l;
-    ISO_TRY(find_option(p->settings, &option, &values, error));
-    ISO_TRY(split(values, "--panels", &l, error));
-    for (int i = 0; i < l.count; i++) {
-        char title[TITLE], what[TITLE];
-        cell *c = NULL;
-        snprintf(what, sizeof what, "%.*s", (int)(values - p->settings->panels - 1), p->settings->panels);
-        make_title(what, l.items[i], title);
-        ISO_TRY(add_cell(p, title, &c, error));
-        ISO_TRY(parse_cell(p, c, option->name, NULL, error));
-        if (asprintf(&c->made, "--%s=%s", option->name, l.items[i]) < 0) c->made = NULL;
-        if (!c->made) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
-        insert(c, c->made);
-        ISO_TRY(named(c, i, finish_cell(p, c, error), error));
+    const iso_texts *panels = &p->settings->panels;
+    const char *own[PANEL_OPTIONS], *values;
+    for (int k = 0; k < panels->count; k++) {
+        const iso_option *option;
+        ISO_TRY(find_option(p->settings, panels->values[k], &option, &values, error));
+        own[k] = option->name;
     }
+    for (int k = 0; k < panels->count; k++) {
+        const iso_option *option;
+        list l;
+        char what[TITLE], title[TITLE];
+        ISO_TRY(find_option(p->settings, panels->values[k], &option, &values, error));
+        ISO_TRY(split(values, "--panels", &l, error));
+        snprintf(what, sizeof what, "%.*s", (int)(values - panels->values[k] - 1), panels->values[k]);
+        if (k && l.count != p->count)
+            return iso_fail(error, ISO_ERR_USAGE, "option --panels: %d values of %s for %d panels", l.count,
+                            what, p->count);
+        for (int i = 0; i < l.count; i++) {
+            cell *c = k ? p->cells[i] : NULL;
+            make_title(what, l.items[i], title);
+            if (!k) ISO_TRY(add_cell(p, title, &c, error));
+            if (!k) ISO_TRY(parse_cell(p, c, own, panels->count, NULL, error));
+            if (asprintf(&c->made[k], "--%s=%s", option->name, l.items[i]) < 0) c->made[k] = NULL;
+            if (!c->made[k]) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
+            insert(c, c->made[k]);
+        }
+    }
+    for (int i = 0; i < p->count; i++)
+        ISO_TRY(named(p->cells[i], i, finish_cell(p, p->cells[i], error), error));
     return ISO_OK;
 }
 
@@ -246,7 +267,7 @@ static iso_status add_files(sheet *p, iso_error *error) {
         const iso_status status = add_cell(p, model, &c, error);
         free(model);
         ISO_TRY(status);
-        ISO_TRY(parse_cell(p, c, NULL, i ? file : NULL, error));
+        ISO_TRY(parse_cell(p, c, NULL, 0, i ? file : NULL, error));
         ISO_TRY(named(c, i, finish_cell(p, c, error), error));
     }
     return ISO_OK;
@@ -321,10 +342,12 @@ static void share_scale(sheet *p) {
  * Else all frame the box around everything. Where the camera is or how it zooms stays as it is given. */
 static void share_camera(sheet *p) {
     const iso_camera *first = &p->cells[0]->panel.camera;
-    const bool zooms = p->settings->panels && strncmp(p->settings->panels, "zoom=", 5) == 0;
+    bool zooms = false;
     iso_box all = p->cells[0]->panel.box;
     bool alike = true, same = true;
     int largest = -1;
+    for (int i = 0; i < p->settings->panels.count; i++)
+        zooms |= strncmp(p->settings->panels.values[i], "zoom=", 5) == 0;
     for (int i = 0; i < p->count; i++) add_box(&all, &p->cells[i]->panel.box);
     for (int i = p->count - 1; i >= 0; i--) {
         const bool whole = is_all_of(&p->cells[i]->panel.box, &all);
@@ -447,7 +470,7 @@ static iso_status make_sheet(sheet *p, const means *m, iso_error *error) {
     iso_image image = {0};
     iso_drawing over = {.marks = NULL};
     ISO_TRY(isorender_plan_check_writable(p->plan, error));
-    if (p->settings->panels)
+    if (p->settings->panels.count)
         ISO_TRY(add_values(p, error));
     else
         ISO_TRY(add_files(p, error));
@@ -481,7 +504,7 @@ static void free_cell(cell *c) {
     free(c->panel.ranges);
     free(c->operands.values);
     free(c->argv);
-    free(c->made);
+    for (int i = 0; i < PANEL_OPTIONS; i++) free(c->made[i]);
     free(c);
 }
 

@@ -210,7 +210,7 @@ typedef struct isorender_settings {
     double inset[4];                       /* as iso_inset.box */
     const char *legend_names, *bar_titles; /* NULL: those of labels, files, isovalues and columns */
     double font_size;                      /* points, 1/72 inch; 0: by the picture's size */
-    const char *panels;                    /* of --panels; NULL: one picture */
+    iso_texts panels;                      /* what differs between panels */
     iso_texts panel_files;                 /* the files of further panels */
     const char *panel_titles;              /* NULL: what differs */
     int panel_columns;                     /* 0: not given */

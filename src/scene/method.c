@@ -96,20 +96,27 @@ enum {
 };
 
 static const iso_renderer METHODS[] = {
-    {ISO_METHOD_POINTS, "points", "attenuated points (2003)", ISO_METHOD_POINTS, NULL,
+    {ISO_METHOD_POINTS, "points", "attenuated points (2003)",
+     "discs parallel to the picture: to see the samples themselves", ISO_METHOD_POINTS, NULL,
      ISO_RECONSTRUCTION_CURVED, POINTS, GBUFFER | ISO_CAN_CLOUDS | ISO_CAN_GL | ISO_CAN_ATTENUATED,
      draw_points},
-    {ISO_METHOD_PULLPUSH_BOX, "pullpush-box", "pull-push, equal weights (2008)", ISO_METHOD_PULLPUSH, "box",
-     ISO_RECONSTRUCTION_BOX, POINTS, PYRAMID, NULL},
-    {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, Gaussian weights (2008)", ISO_METHOD_PULLPUSH, "gaussian",
-     ISO_RECONSTRUCTION_GAUSSIAN, POINTS, PYRAMID, NULL},
-    {ISO_METHOD_DISCS, "discs", "points as curved discs", ISO_METHOD_DISCS, "curved",
-     ISO_RECONSTRUCTION_CURVED, POINTS, DISCS | ISO_CAN_GL, NULL},
-    {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)", ISO_METHOD_SPLATS, "groups",
+    {ISO_METHOD_PULLPUSH_BOX, "pullpush-box", "pull-push, equal weights (2008)", NULL, ISO_METHOD_PULLPUSH,
+     "box", ISO_RECONSTRUCTION_BOX, POINTS, PYRAMID, NULL},
+    {ISO_METHOD_PULLPUSH, "pullpush", "pull-push, Gaussian weights (2008)",
+     "points, and the surface between them reconstructed in an image pyramid: Marroquim et al. 2008; --lines "
+     "are drawn that way, too",
+     ISO_METHOD_PULLPUSH, "gaussian", ISO_RECONSTRUCTION_GAUSSIAN, POINTS, PYRAMID, NULL},
+    {ISO_METHOD_DISCS, "discs", "points as curved discs",
+     "points as discs that follow the surface's curvature: the best picture of points", ISO_METHOD_DISCS,
+     "curved", ISO_RECONSTRUCTION_CURVED, POINTS, DISCS | ISO_CAN_GL, NULL},
+    {ISO_METHOD_SPLATS, "splats", "splats in groups, one pass (2006)",
+     "points as flat discs with smooth edges: for files of points", ISO_METHOD_SPLATS, "groups",
      ISO_RECONSTRUCTION_CURVED, POINTS | GROUPS, DISC_LAYERS | ISO_CAN_GROUPS | ISO_CAN_CLIP, draw_splats},
-    {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh", ISO_METHOD_MESH, NULL, ISO_RECONSTRUCTION_CURVED, MESH,
-     GBUFFER | ISO_CAN_GL | ISO_CAN_CLIP | ISO_CAN_STRIPS, draw_mesh},
-    {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell", ISO_METHOD_EXACT, NULL,
+    {ISO_METHOD_MESH, "mesh", "Marching Cubes mesh",
+     "Marching Cubes: to see what --mesh exports, or to compare with other programs", ISO_METHOD_MESH, NULL,
+     ISO_RECONSTRUCTION_CURVED, MESH, GBUFFER | ISO_CAN_GL | ISO_CAN_CLIP | ISO_CAN_STRIPS, draw_mesh},
+    {ISO_METHOD_EXACT, "exact", "the trilinear surface, cell by cell",
+     "the trilinear surface itself, at any zoom: choose it for pictures", ISO_METHOD_EXACT, NULL,
      ISO_RECONSTRUCTION_CURVED, CELLS, SMOOTH | ISO_CAN_OBJECT_LAYERS | ISO_CAN_CHUNKS | ISO_CAN_PAGE,
      draw_exact},
 };
@@ -117,17 +124,19 @@ static const iso_renderer METHODS[] = {
 /* Not in the list of what is compared. Where cells are small hybrid is pullpush, where they are large it is
  * mesh; flat discs are discs without curvatures, which are for points of files. */
 static const iso_renderer OTHERS[] = {
-    {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)", ISO_METHOD_HYBRID, NULL,
-     ISO_RECONSTRUCTION_CURVED, POINTS | MESH, GBUFFER | ISO_CAN_PYRAMID | ISO_CAN_GL, draw_hybrid},
-    {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_SPLATS, "flat",
+    {ISO_METHOD_HYBRID, "hybrid", "points and triangles (2008)",
+     "triangles where the volume's cells are larger than 3 pixels, points elsewhere: also of 2008",
+     ISO_METHOD_HYBRID, NULL, ISO_RECONSTRUCTION_CURVED, POINTS | MESH,
+     GBUFFER | ISO_CAN_PYRAMID | ISO_CAN_GL, draw_hybrid},
+    {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", NULL, ISO_METHOD_SPLATS, "flat",
      ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | DISC_LAYERS, NULL},
-    {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", ISO_METHOD_DISCS, "flat",
+    {ISO_METHOD_SPLATS_FLAT, "splats-flat", "splats, flat discs", NULL, ISO_METHOD_DISCS, "flat",
      ISO_RECONSTRUCTION_FLAT, POINTS, DISCS | ISO_CAN_GL, NULL},
-    {ISO_METHOD_SPLATS_ONEPASS, "splats-onepass", "splats, front to back (2003)", ISO_METHOD_SPLATS,
+    {ISO_METHOD_SPLATS_ONEPASS, "splats-onepass", "splats, front to back (2003)", NULL, ISO_METHOD_SPLATS,
      "onepass", ISO_RECONSTRUCTION_ONEPASS, POINTS, DISCS, NULL},
-    {ISO_METHOD_SPLATS_EWA, "splats-ewa", "splats, EWA filter", ISO_METHOD_SPLATS, "ewa",
+    {ISO_METHOD_SPLATS_EWA, "splats-ewa", "splats, EWA filter", NULL, ISO_METHOD_SPLATS, "ewa",
      ISO_RECONSTRUCTION_EWA, POINTS, DISCS | ISO_CAN_GL, NULL},
-    {ISO_METHOD_SPLATS_MEAN, "splats-mean", "mean of a pixel's points", ISO_METHOD_SPLATS, "mean",
+    {ISO_METHOD_SPLATS_MEAN, "splats-mean", "mean of a pixel's points", NULL, ISO_METHOD_SPLATS, "mean",
      ISO_RECONSTRUCTION_MEAN, POINTS, DISCS, NULL},
 };
 
@@ -137,6 +146,7 @@ static const char OLD_PULLPUSH[] = "pullpush-gaussian";
 static const iso_renderer TRUTH = {ISO_METHOD_RAYCAST,
                                    "raycast",
                                    "rays through the trilinear field",
+                                   "rays through the field, slow: to check the others",
                                    ISO_METHOD_RAYCAST,
                                    NULL,
                                    ISO_RECONSTRUCTION_CURVED,
@@ -184,9 +194,17 @@ bool iso_method_can(iso_method method, iso_capability capability) {
 
 /* ---- words */
 
-const iso_method iso_method_families[ISO_METHOD_FAMILIES] = {
-    ISO_METHOD_EXACT,  ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH, ISO_METHOD_DISCS,
-    ISO_METHOD_SPLATS, ISO_METHOD_MESH,   ISO_METHOD_RAYCAST,  ISO_METHOD_HYBRID};
+static const iso_method families[] = {ISO_METHOD_EXACT,   ISO_METHOD_POINTS, ISO_METHOD_PULLPUSH,
+                                      ISO_METHOD_DISCS,   ISO_METHOD_SPLATS, ISO_METHOD_MESH,
+                                      ISO_METHOD_RAYCAST, ISO_METHOD_HYBRID};
+enum { FAMILIES = sizeof families / sizeof *families };
+_Static_assert((int)FAMILIES <= (int)ISO_METHOD_FAMILIES_MOST,
+               "names of families are listed in arrays of this size");
+
+const iso_method *iso_method_families(int *count) {
+    *count = FAMILIES;
+    return families;
+}
 
 /* A list of names as text: all but the last are known to have one behind them. */
 typedef struct list {
@@ -237,11 +255,11 @@ static int count_rows(iso_method family, unsigned capabilities) {
 }
 
 const char *iso_methods_that_can(unsigned capabilities, char text[ISO_METHODS_TEXT]) {
-    char some[ISO_METHODS_TEXT], names[ISO_METHOD_FAMILIES][ISO_METHODS_TEXT];
-    list families = {.text = text};
+    char some[ISO_METHODS_TEXT], names[FAMILIES][ISO_METHODS_TEXT];
+    list named = {.text = text};
     *text = 0;
-    for (int i = 0; i < ISO_METHOD_FAMILIES; i++) {
-        const iso_method family = iso_method_families[i];
+    for (int i = 0; i < FAMILIES; i++) {
+        const iso_method family = families[i];
         const int count = count_rows(family, capabilities);
         const char *name = iso_renderer_get(family)->name;
         if (!count) continue;
@@ -250,9 +268,9 @@ const char *iso_methods_that_can(unsigned capabilities, char text[ISO_METHODS_TE
                      list_reconstructions(family, capabilities, some));
         else
             snprintf(names[i], sizeof names[i], "%s", name);
-        add(&families, names[i]);
+        add(&named, names[i]);
     }
-    return end(&families);
+    return end(&named);
 }
 
 const char *iso_method_reconstructions(iso_method family, char text[ISO_METHODS_TEXT]) {
@@ -260,12 +278,11 @@ const char *iso_method_reconstructions(iso_method family, char text[ISO_METHODS_
 }
 
 const char *iso_methods_with_reconstruction(const char *reconstruction, char text[ISO_METHODS_TEXT]) {
-    list families = {.text = text};
+    list named = {.text = text};
     *text = 0;
-    for (int i = 0; i < ISO_METHOD_FAMILIES; i++)
-        if (iso_renderer_find(iso_method_families[i], reconstruction))
-            add(&families, iso_renderer_get(iso_method_families[i])->name);
-    return end(&families);
+    for (int i = 0; i < FAMILIES; i++)
+        if (iso_renderer_find(families[i], reconstruction)) add(&named, iso_renderer_get(families[i])->name);
+    return end(&named);
 }
 
 iso_status iso_renderer_require(const iso_renderer *renderer, unsigned capabilities, const char *called,
@@ -294,10 +311,9 @@ const char *iso_method_name(iso_method method) {
 
 iso_status iso_method_find(const char *name, iso_method *method, iso_error *error) {
     if (name && strcmp(name, OLD_PULLPUSH) == 0) name = iso_method_name(ISO_METHOD_PULLPUSH);
-    for (int i = 0; i < ISO_METHODS; i++) {
-        const iso_renderer *renderer = iso_renderer_get((iso_method)i);
-        if (!name || strcmp(renderer->name, name) != 0) continue;
-        *method = renderer->method;
+    for (size_t i = 0; row(i) && name; i++) {
+        if (strcmp(row(i)->name, name) != 0) continue;
+        *method = row(i)->method;
         return ISO_OK;
     }
     return iso_fail(error, ISO_ERR_USAGE, "there is no method '%s'", name ? name : "");

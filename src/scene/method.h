@@ -37,6 +37,7 @@ typedef enum iso_capability {
 typedef struct iso_renderer {
     iso_method method;
     const char *name, *title;   /* title: a few words, for reports */
+    const char *purpose;        /* what --help says of it, in brackets; NULL: the family's first row does */
     iso_method family;          /* the method of isorender's --method, */
     const char *reconstruction; /* and its --reconstruction; NULL: there is only one */
     iso_reconstruction discs; /* how iso_draw_point_surface draws its points; means nothing without points */
@@ -71,9 +72,9 @@ const iso_renderer *iso_renderer_get(iso_method method);
 /* The renderer of a family with a reconstruction (NULL: its usual one); NULL: it has none of that name. */
 const iso_renderer *iso_renderer_find(iso_method family, const char *reconstruction);
 
-/* The families, in the order in which they are named. */
-enum { ISO_METHOD_FAMILIES = 8 };
-extern const iso_method iso_method_families[ISO_METHOD_FAMILIES];
+/* The families, in the order in which they are named: at most ISO_METHOD_FAMILIES_MOST. */
+enum { ISO_METHOD_FAMILIES_MOST = 16 };
+const iso_method *iso_method_families(int *count);
 
 enum { ISO_METHODS_TEXT = 160 };
 /* Writes which families have all of some capabilities, as "exact, splats (groups or flat) or raycast": of one

@@ -91,3 +91,15 @@ for i, value in enumerate((200, 500)):
     left = 8 + 128 * i
     expect([line[left:left + 120] for line in parts.rows[19:119]] == Png("part%d.png" % value).rows, value)
 P
+# Two options that differ together: each panel is the picture with its value of both.
+isorender in/large.mha both.png --panels isovalue=200,500 --panels color=red,gold --resolution 120x100 $eye --quiet
+isorender in/large.mha both0.png --isovalue 200 --color red --resolution 120x100 $eye --quiet
+isorender in/large.mha both1.png --isovalue 500 --color gold --resolution 120x100 $eye --quiet
+python3 - <<'P'
+from check import *
+both = Png("both.png")
+for i in range(2):
+    left = 8 + 128 * i
+    expect([line[left:left + 120] for line in both.rows[19:119]] == Png("both%d.png" % i).rows, i)
+P
+refuses 2 "option --panels: 3 values of color for 2 panels" isorender in/large.mha bad.png --panels isovalue=200,500 --panels color=red,gold,blue || exit 1

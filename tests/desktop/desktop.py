@@ -2,7 +2,7 @@
 """What desktops read (apps/desktop) is valid, knows every type of file, and makes thumbnails where there is neither a display nor a
 network and little memory.
 
-usage: desktop.py BIN ROOT     (BIN: the folder of the programs)
+usage: desktop.py ROOT [BIN]     (BIN: the folder of the programs, which make thumbnails)
 
 Checks that need a tool which is not installed are left out with a message; without bubblewrap, or where it may not make
 namespaces, thumbnails are made without it."""
@@ -136,8 +136,17 @@ def write_volume(path):
             file.write(plane[z // 32 % 2])
 
 
+def make_thumbnails(failures, programs, root, command):
+    with tempfile.TemporaryDirectory() as folder:
+        thumbnail(failures, programs, command, root / "volumes/stent.nrrd", 256, folder)
+        thumbnail(failures, programs, command, root / "volumes/bear.strokes", 128, folder)
+        large = Path(folder, "large.nrrd")
+        write_volume(large)
+        thumbnail(failures, programs, command, large, 256, folder)
+
+
 def main():
-    programs, root = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
+    root = Path(sys.argv[1]).resolve()
     files = root / "apps/desktop"
     failures = []
     tool_says(failures, "desktop-file-validate", str(files / "isosculpt.desktop"))
@@ -148,12 +157,8 @@ def main():
         if re.search(pattern, (root / name).read_text(encoding="utf-8"))[1] != version:
             failures.append("%s: its newest version is not %s of src/isopoint.h" % (name, version))
     command = re.search(r"^Exec=(.*)$", (files / "isopoint.thumbnailer").read_text(encoding="utf-8"), re.M)[1]
-    with tempfile.TemporaryDirectory() as folder:
-        thumbnail(failures, programs, command, root / "volumes/stent.nrrd", 256, folder)
-        thumbnail(failures, programs, command, root / "volumes/bear.strokes", 128, folder)
-        large = Path(folder, "large.nrrd")
-        write_volume(large)
-        thumbnail(failures, programs, command, large, 256, folder)
+    if len(sys.argv) > 2:
+        make_thumbnails(failures, Path(sys.argv[2]).resolve(), root, command)
     if failures:
         sys.exit("\n".join(failures))
 
