@@ -29,6 +29,21 @@ iso_status iso_range_parse(const char *value, double range[2], iso_error *error)
     return ISO_OK;
 }
 
+iso_status iso_range_parse_shares(const char *value, double range[2], double shares[2], iso_error *error) {
+    char low[32], high[32];
+    shares[0] = shares[1] = (double)NAN;
+    if (!value || sscanf(value, " %31[^,%%]%%,%31[^,%%]%%", low, high) != 2 ||
+        value[strlen(value) - 1] != '%')
+        return iso_range_parse(value, range, error);
+    range[0] = range[1] = (double)NAN;
+    if (!iso_parse_reals(low, 1, &shares[0]) || !iso_parse_reals(high, 1, &shares[1]) || !(shares[0] >= 0) ||
+        !(shares[0] < shares[1]) || !(shares[1] <= 100))
+        return iso_fail(error, ISO_ERR_USAGE,
+                        "--range: '%s' is not two shares from 0%% to 100%%, the smaller one first", value);
+    for (int k = 0; k < 2; k++) shares[k] /= 100;
+    return ISO_OK;
+}
+
 /* Whether the value is a word alone, with or without @N behind it. */
 static bool is_word(const char *value, const iso_value_path *whole, const char *word) {
     return whole->begin == 0 && whole->length == strlen(word) && strncmp(value, word, whole->length) == 0;

@@ -22,6 +22,8 @@ iso_status iso_colormap_choice_parse(const char *value, iso_colormap_choice *map
 
 /* Parses two numbers, the smaller one first; NULL: not given, NAN. ISO_ERR_USAGE. */
 iso_status iso_range_parse(const char *value, double range[2], iso_error *error);
+/* The same, or two shares of the numbers, such as 2%,98%, as fractions; else these are NAN. ISO_ERR_USAGE. */
+iso_status iso_range_parse_shares(const char *value, double range[2], double shares[2], iso_error *error);
 
 typedef struct iso_coloring_settings {
     const char *text; /* as it is given */

@@ -2,6 +2,7 @@
  * an attribute. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "apps/isorender/objects.h"
@@ -32,6 +33,28 @@ bool isorender_attribute_range(const iso_attribute *attribute, size_t count, dou
         range[1] = fmax(range[1], number);
     }
     return range[0] <= range[1];
+}
+
+static int compare_numbers(const void *a, const void *b) {
+    const double p = *(const double *)a, q = *(const double *)b;
+    return p < q ? -1 : p > q;
+}
+
+/* The numbers that these shares of an attribute's finite numbers do not exceed; of many, of a million that
+ * are spread evenly over them. `range` stays as it is if there is none. ISO_ERR_NOMEM. */
+static iso_status find_shares(const iso_attribute *attribute, size_t count, const double shares[2],
+                              double range[2], iso_error *error) {
+    enum { MOST = 1 << 20 };
+    const size_t step = (count + MOST - 1) / MOST;
+    size_t found = 0;
+    double *numbers = iso_alloc((count / step + 1) * sizeof *numbers);
+    if (!numbers) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for the range of a column");
+    for (size_t i = 0; i < count; i += step)
+        if (isfinite(number_at(attribute, i))) numbers[found++] = number_at(attribute, i);
+    qsort(numbers, found, sizeof *numbers, compare_numbers);
+    for (int k = 0; k < 2 && found; k++) range[k] = numbers[(size_t)(shares[k] * (double)(found - 1) + 0.5)];
+    iso_free(numbers);
+    return ISO_OK;
 }
 
 static void store(uint8_t to[3], iso_rgb color) {
@@ -92,6 +115,8 @@ static iso_status find_range(isorender_object *object, const iso_attribute *attr
     if (isnan(range[0]) && !isorender_attribute_range(attribute, count, range))
         return iso_fail(error, ISO_ERR_FORMAT, "%s%scolumn '%s' has no finite number",
                         settings->path ? settings->path : "", settings->path ? ": " : "", object->color_by);
+    if (!isnan(settings->range_shares[0]))
+        ISO_TRY(find_shares(attribute, count, settings->range_shares, range, error));
     if (settings->map.file && !object->colors.colors)
         ISO_TRY(iso_color_table_read(settings->map.file, &object->colors, error));
     object->has_bar = true;

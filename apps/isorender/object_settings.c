@@ -149,7 +149,8 @@ static iso_status set_common(const isorender_object_options *options, int number
     ISO_TRY(
         set_tensor_order(isorender_value_for(&options->tensor_orders, number), object->field.order, error));
     ISO_TRY(iso_colormap_choice_parse(isorender_value_for(&options->maps, number), &object->map, error));
-    ISO_TRY(iso_range_parse(isorender_value_for(&options->ranges, number), object->range, error));
+    ISO_TRY(iso_range_parse_shares(isorender_value_for(&options->ranges, number), object->range,
+                                   object->range_shares, error));
     return set_every(isorender_value_for(&options->every, number), object, error);
 }
 
@@ -209,7 +210,8 @@ iso_status isorender_check_count(const char *option, const iso_texts *texts, con
                                  iso_error *error) {
     if (texts->count <= count) return ISO_OK;
     if (count == 0)
-        return iso_fail(error, ISO_ERR_USAGE, "--%s is for %s, which is not given", option, objects);
+        return iso_fail(error, ISO_ERR_USAGE, "--%s is for %s, which is not given%s", option, objects,
+                        strcmp(option, "color-by") ? "" : ": --surface-color-by colours surfaces");
     return iso_fail(error, ISO_ERR_USAGE, "--%s is given %d times for %d %s", option, texts->count, count,
                     objects);
 }

@@ -30,7 +30,8 @@ typedef struct isorender_object_settings {
     double opacity;       /* 0 .. 1 */
     const char *color_by; /* the attribute with numbers to be coloured; NULL: none */
     iso_colormap_choice map;
-    double range[2]; /* the numbers at both ends of the colormap; NAN: the smallest and the largest number */
+    double range[2]; /* the numbers at both ends of the colormap; NAN: the smallest and the largest number, */
+    double range_shares[2]; /* or those that these shares of all numbers do not exceed; NAN: not given */
     bool style_given;
     isorender_line_style style; /* of lines */
     iso_caps caps;              /* of tubes */

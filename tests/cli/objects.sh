@@ -53,6 +53,14 @@ isorender_refuses 2 "given 2 times for 1" --lines in/two.obj --tube-radius 1 --t
 isorender_refuses 2 "is for --lines, which is not given" --glyphs in/dots.csv --caps flat
 isorender_refuses 2 "not one of round, flat" --lines in/two.obj --caps square
 isorender_refuses 2 "not two numbers" --glyphs in/dots.csv --color-by heat --range 3,1
+isorender_refuses 2 "is not two shares" --glyphs in/dots.csv --color-by heat --range 90%,10%
+isorender_refuses 2 "is not two shares" --glyphs in/dots.csv --color-by heat --range 0%,101%
+isorender_refuses 2 "not two numbers" --glyphs in/dots.csv --color-by heat --range 10%,90
+# shares of a column's numbers: of 0 .. 100 those at 5 and at 90
+python3 -c 'print("x,y,z,radius,heat"); [print(i % 10, i // 10, 0, .4, (i * 37) % 101) for i in range(101)]' >in/hundred.csv
+isorender --glyphs in/hundred.csv shares.png --color-by heat --range 5%,90% --resolution 120x120 --quiet
+isorender --glyphs in/hundred.csv numbers.png --color-by heat --range 5,90 --resolution 120x120 --quiet
+python3 -c 'from check import *; expect(Png("shares.png").rows == Png("numbers.png").rows)'
 isorender_refuses 2 "needs\|glass" in/ball.mha --glyphs in/dots.csv --ior 1.5
 isorender_refuses 2 "is for surfaces" --glyphs in/dots.csv --isovalue 5
 isorender in/axis.swc input.png --camera front --orthographic --resolution 200x200 --quiet
