@@ -73,7 +73,7 @@ expect(abs(third["bounds_world"][0] + 9) < 1e-5 and abs(third["bounds_world"][1]
 P
 isorender_refuses 2 "'0' is neither a radius in mm nor 'auto'" in/near.ply --radius 0
 isorender_refuses 6 "no point lies in this box" in/near.ply --crop-mm 50,60,0,1,0,1
-isorender_refuses 2 "heat.ply: has no column 'warmth'; its columns: heat$" in/heat.ply --color-by warmth
+isorender_refuses 2 "heat.ply: has no column 'warmth'; its columns: heat; and x, y, z$" in/heat.ply --color-by warmth
 isorender_refuses 2 "is for --lines, --glyphs or a file of points, which is not given" scene:sphere:16 --color-by heat
 isorender_refuses 2 "needs a volume" in/near.ply --crop 0,1,0,1,0,1
 # opacities of points: a disc in front of another, with a column alpha of bytes, of fractions, or of no use

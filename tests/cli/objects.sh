@@ -57,7 +57,7 @@ isorender_refuses 2 "is not two shares" --glyphs in/dots.csv --color-by heat --r
 isorender_refuses 2 "is not two shares" --glyphs in/dots.csv --color-by heat --range 0%,101%
 isorender_refuses 2 "not two numbers" --glyphs in/dots.csv --color-by heat --range 10%,90
 # shares of a column's numbers: of 0 .. 100 those at 5 and at 90
-python3 -c 'print("x,y,z,radius,heat"); [print(i % 10, i // 10, 0, .4, (i * 37) % 101) for i in range(101)]' >in/hundred.csv
+python3 -c 'print("x,y,z,radius,heat"); [print(i % 10, i // 10, 0, .4, (i * 37) % 101, sep=",") for i in range(101)]' >in/hundred.csv
 isorender --glyphs in/hundred.csv shares.png --color-by heat --range 5%,90% --resolution 120x120 --quiet
 isorender --glyphs in/hundred.csv numbers.png --color-by heat --range 5,90 --resolution 120x120 --quiet
 python3 -c 'from check import *; expect(Png("shares.png").rows == Png("numbers.png").rows)'
