@@ -166,8 +166,11 @@ iso_status iso_cut_parse_plane(const char *text, iso_cut *plane, iso_error *erro
     snprintf(form, sizeof form, "%s", text);
     if (take_equals(form) && parse_form(form, plane, &reason) == ISO_OK && (plane->plane || plane->by_depth))
         return ISO_OK;
-    return iso_fail(error, ISO_ERR_USAGE,
-                    "'%s' is not a plane: x=MM, x (in the middle), X,Y,Z:NX,NY,NZ or camera:MM", text);
+    return iso_fail(
+        error, ISO_ERR_USAGE,
+        "'%s' is not a plane: x=MM, x (in the middle; also sagittal, coronal, axial), X,Y,Z:NX,NY,NZ or "
+        "camera:MM",
+        text);
 }
 
 iso_vec3 iso_cut_middle(const iso_transform *transform, const int dims[3]) {

@@ -32,9 +32,9 @@ typedef struct iso_cut {
 
 /* The forms of iso_cut_parse in one line, for help and messages. */
 #define ISO_CUT_FORMS                                                                                        \
-    "x<MM or x>MM (so y, z), x (below the middle; also sagittal, coronal, axial), X,Y,Z:NX,NY,NZ, "          \
-    "camera:MM, "                                                                                            \
-    "box:X0,Y0,Z0,X1,Y1,Z1 or sphere:X,Y,Z,R, with keep:, ras: or lps: before it or @N,.. behind it"
+    "x<MM or x>MM (so y, z), x (below the middle; also sagittal, coronal, axial: the patient's "             \
+    "right, front or lower half), X,Y,Z:NX,NY,NZ, camera:MM, box:X0,Y0,Z0,X1,Y1,Z1 or "                      \
+    "sphere:X,Y,Z,R, with keep:, ras: or lps: before it or @N,.. behind it"
 
 /* Parses
  *   x<MM or x>MM (y, z)            what lies there in the world (mm, LPS)

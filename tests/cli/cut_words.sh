@@ -54,4 +54,4 @@ done
 isorender scene:torus:16 t.png --camera anterior --resolution 20x20 2>said
 grep -q "note: the file does not say where a patient's front" said
 isorender_refuses 2 "'w' is not x<MM or x>MM (so y, z), x (below the middle" in/v.mha --clip w
-isorender_refuses 2 "'oblique' is not a plane: x=MM, x (in the middle)" in/v.mha --slice oblique
+isorender_refuses 2 "'oblique' is not a plane: x=MM, x (in the middle; also sagittal, coronal, axial)" in/v.mha --slice oblique
