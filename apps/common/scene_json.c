@@ -264,21 +264,24 @@ static iso_status check_file(const char *scene_path, const json_t *file, iso_err
     if (failed) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     if (same) return ISO_OK;
     if (missing)
-        return iso_fail(error, ISO_ERR_IO, "%s: %s, of which it was drawn, is not beside it", scene_path,
-                        path);
+        return iso_fail(error, ISO_ERR_IO,
+                        "%s: %s, of which it was drawn, is not beside it (an input, or an option for another "
+                        "file, takes its place)",
+                        scene_path, path);
     return iso_fail(error, ISO_ERR_FORMAT,
                     "%s: %s is not the file that it was drawn from (a file named behind the scene is taken "
                     "whatever it holds)",
                     scene_path, path);
 }
 
-iso_status iso_scene_json_check_files(const char *scene_path, const json_t *scene, const char *except,
+iso_status iso_scene_json_check_files(const char *scene_path, const json_t *scene,
+                                      bool (*is_read)(void *context, const char *path), void *context,
                                       iso_error *error) {
     json_t *file;
     size_t i;
     json_array_foreach(json_object_get(scene, "files"), i, file) {
         const char *path = json_string_value(json_object_get(file, "path"));
-        if (!except || !path || strcmp(path, except) != 0) ISO_TRY(check_file(scene_path, file, error));
+        if (!is_read || !path || is_read(context, path)) ISO_TRY(check_file(scene_path, file, error));
     }
     return ISO_OK;
 }

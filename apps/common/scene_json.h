@@ -43,9 +43,10 @@ iso_status iso_scene_json_read(const char *path, struct json_t **scene, iso_erro
  * both. The caller's: free(); NULL: no memory. */
 char *iso_scene_json_find(const char *scene_path, const char *path);
 
-/* Refuses a scene of which a file has changed; but for `except` (NULL: none). ISO_ERR_FORMAT, ISO_ERR_NOMEM.
- */
-iso_status iso_scene_json_check_files(const char *scene_path, const struct json_t *scene, const char *except,
+/* Refuses a scene of which a file has changed; asked are files for which is_read(context, path) is true;
+ * NULL: all. ISO_ERR_FORMAT, ISO_ERR_NOMEM. */
+iso_status iso_scene_json_check_files(const char *scene_path, const struct json_t *scene,
+                                      bool (*is_read)(void *context, const char *path), void *context,
                                       iso_error *error);
 
 #endif

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "apps/isocompare/isocompare.h"
+#include "base/file_types.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"
@@ -207,6 +208,12 @@ static iso_status take_surfaces(isocompare_settings *settings, const iso_operand
     if (operands->count != 3)
         return iso_fail(error, ISO_ERR_USAGE,
                         "surfaces takes two volumes or meshes, each FILE or FILE:ISOVALUE");
+    if (settings->output && iso_file_type_of_name(settings->output, ISO_WRITES_PAGE) == ISO_FILE_UNKNOWN)
+        return iso_fail(
+            error, ISO_ERR_USAGE,
+            "%s: surfaces writes a page, .html (a picture of one coloured by its distance to the other: "
+            "isorender A OUT.png --surface-color-by distance:B)",
+            settings->output);
     settings->command = ISOCOMPARE_SURFACES;
     settings->truth = operands->values[1];
     settings->candidate = operands->values[2];

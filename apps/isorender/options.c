@@ -597,7 +597,8 @@ static const iso_option options[] = {
      "again; every PNG holds it too (--again)",
      .group = OUTPUT, TEXT(save_scene), UNRECORDED},
     {"again", NULL, "FILE",
-     "draw the picture of a .png or scene again, of the files beside it; options and inputs change it",
+     "draw the picture of a .png or scene again, of the files beside it; options and inputs that are given "
+     "replace its own",
      .group = OUTPUT, .kind = ISO_OPTION_TEXTS, FIELD(again),
      .flags = ISO_OPTION_REPEATABLE | ISO_OPTION_UNRECORDED},
     {"schema", NULL, NULL, "print the JSON schema of scenes", .group = OUTPUT, CALL(apply_schema),

@@ -225,9 +225,10 @@ iso_status isorender_scene_print_schema(iso_error *error) {
 
 /* A command line under construction. */
 typedef struct builder {
-    const char *path;    /* of the scene */
-    bool replaces_input; /* the command line has an input of its own */
-    char **made;         /* strings, with room for all */
+    const char *path;     /* of the scene */
+    bool replaces_input;  /* the command line has an input of its own, */
+    const bool *replaced; /* and these options, by their places in the table */
+    char **made;          /* strings, with room for all */
     int count;
 } builder;
 
@@ -269,6 +270,7 @@ static iso_status add_option(builder *b, const char *name, json_t *value, iso_er
     if (option->flags & ISO_OPTION_UNRECORDED)
         return iso_fail(error, ISO_ERR_FORMAT,
                         "%s: '%s' does not belong to a scene: it is for the command line", b->path, name);
+    if (b->replaced[option - isorender_program()->options]) return ISO_OK;
     if (json_is_true(value)) {
         if (asprintf(&text, "--%s", name) < 0) text = NULL;
         return add(b, text, error);
@@ -286,6 +288,31 @@ static iso_status add_option(builder *b, const char *name, json_t *value, iso_er
     return add(b, text, error);
 }
 
+/* What is asked of a file of a scene: whether the input, or an option that is not replaced, names it. */
+typedef struct file_question {
+    const builder *b;
+    const json_t *scene;
+} file_question;
+
+static bool is_read(void *context, const char *path) {
+    const file_question *q = context;
+    const iso_program *program = isorender_program();
+    const char *input = json_string_value(json_object_get(q->scene, "input")), *name;
+    json_t *option, *value;
+    size_t i;
+    bool named = false, kept = false;
+    if (input && strcmp(input, path) == 0) named = true, kept = !q->b->replaces_input;
+    json_array_foreach(json_object_get(q->scene, "options"), i, option) {
+        json_object_foreach(option, name, value) {
+            const iso_option *known = iso_options_find(program, name, strlen(name));
+            if (!known || !json_is_string(value) || !strstr(json_string_value(value), path)) continue;
+            named = true;
+            kept |= !q->b->replaced[known - program->options];
+        }
+    }
+    return kept || !named;
+}
+
 static iso_status add_scene(builder *b, json_t *scene, iso_error *error) {
     const char *input = json_string_value(json_object_get(scene, "input")), *name;
     json_t *options = json_object_get(scene, "options"), *option, *value;
@@ -293,7 +320,8 @@ static iso_status add_scene(builder *b, json_t *scene, iso_error *error) {
     json_array_foreach(options, i, option) {
         json_object_foreach(option, name, value) ISO_TRY(add_option(b, name, value, error));
     }
-    ISO_TRY(iso_scene_json_check_files(b->path, scene, b->replaces_input ? input : NULL, error));
+    file_question question = {b, scene};
+    ISO_TRY(iso_scene_json_check_files(b->path, scene, is_read, &question, error));
     return input && !b->replaces_input ? add_input(b, input, error) : ISO_OK;
 }
 
@@ -348,7 +376,7 @@ static bool is_input(const char *operand) {
 }
 
 static iso_status list_scenes(int argc, char **argv, iso_texts *scenes, bool *replaces_input,
-                              iso_error *error) {
+                              bool replaced[ISORENDER_MOST_OPTIONS], iso_error *error) {
     isorender_settings *parsed = calloc(1, sizeof *parsed);
     iso_operands operands = {calloc((size_t)argc + 1, sizeof *operands.values), 0};
     iso_status status = ISO_OK;
@@ -356,6 +384,7 @@ static iso_status list_scenes(int argc, char **argv, iso_texts *scenes, bool *re
         status = iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     else if (iso_options_parse(isorender_program(), argc, argv, parsed, &operands, NULL) == ISO_OK) {
         *scenes = parsed->again;
+        for (int i = 0; i < ISORENDER_MOST_OPTIONS; i++) replaced[i] = parsed->given[i] != 0;
         for (int i = 0; i < operands.count && status == ISO_OK; i++) {
             const bool found = is_scene(operands.values[i]);
             *replaces_input |= !found && is_input(operands.values[i]);
@@ -372,10 +401,10 @@ static iso_status list_scenes(int argc, char **argv, iso_texts *scenes, bool *re
 
 iso_status isorender_commands_make(int argc, char **argv, isorender_commands *commands, iso_error *error) {
     iso_texts scenes = {.count = 0};
-    bool replaces_input = false;
+    bool replaces_input = false, replaced[ISORENDER_MOST_OPTIONS] = {false};
     *commands = (isorender_commands){.items = NULL};
     if (argc > 1 && (strcmp(argv[1], "merge") == 0 || strcmp(argv[1], "sheet") == 0)) return ISO_OK;
-    ISO_TRY(list_scenes(argc, argv, &scenes, &replaces_input, error));
+    ISO_TRY(list_scenes(argc, argv, &scenes, &replaces_input, replaced, error));
     if (!scenes.count) return ISO_OK;
     if (scenes.count > 1 && iso_ranks_are_several())
         return iso_fail(error, ISO_ERR_USAGE, "mpirun draws one picture, not %d scenes", scenes.count);
@@ -383,7 +412,7 @@ iso_status isorender_commands_make(int argc, char **argv, isorender_commands *co
     if (!commands->items) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     iso_status status = ISO_OK;
     for (int i = 0; i < scenes.count && status == ISO_OK; i++) {
-        builder b = {.path = scenes.values[i], .replaces_input = replaces_input};
+        builder b = {.path = scenes.values[i], .replaces_input = replaces_input, .replaced = replaced};
         commands->items[i].path = b.path;
         commands->count = i + 1;
         status = make_command(argc, argv, &scenes, &b, &commands->items[i], error);

@@ -117,7 +117,7 @@ static iso_status take_scene(isosculpt_opened_scene *scene, const char *path, co
     iso_operands operands = {(const char *[1]){NULL}, 0};
     if (!input)
         return iso_fail(error, ISO_ERR_FORMAT, "%s: a scene without an input, which a window needs", path);
-    ISO_TRY(iso_scene_json_check_files(path, json, NULL, error));
+    ISO_TRY(iso_scene_json_check_files(path, json, NULL, NULL, error));
     scene->strings = calloc(json_array_size(options) + 4, sizeof *scene->strings);
     if (!scene->strings) return iso_fail(error, ISO_ERR_NOMEM, "out of memory");
     scene->strings[count++] = strdup(isosculpt_program()->name);
