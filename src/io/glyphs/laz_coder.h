@@ -84,12 +84,16 @@ static inline uint32_t iso_laz_symbol(iso_laz_coder *coder, iso_laz_model *model
         high = found[1] + 1U;
         while (high - low > 1) {
             const uint32_t middle = (low + high) / 2;
-            *(begins[middle] > place ? &high : &low) = middle;
+            const bool above = begins[middle] > place;
+            high = above ? middle : high;
+            low = above ? low : middle;
         }
     }
     while (high - low > 1) {
         const uint32_t middle = (low + high) / 2;
-        *(begins[middle] * unit > coder->value ? &high : &low) = middle;
+        const bool above = begins[middle] * unit > coder->value;
+        high = above ? middle : high;
+        low = above ? low : middle;
     }
     const uint32_t begin = begins[low] * unit;
     coder->length = (low + 1 < symbols ? begins[low + 1] * unit : coder->length) - begin;
