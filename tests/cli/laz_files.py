@@ -374,8 +374,8 @@ def las(path, point_format, records, scale=0.01, blocks=()):
     open(path, "wb").write(file(point_format, records, list(blocks), scale, False) + b"".join(records))
 
 
-def laz(path, point_format, records, chunks, scale=0.01, blocks=(), version=3, table_at_end=False, damage=lambda whole: whole):
-    """chunks: points of every chunk, or a list with those of each. version: of layered items."""
+def laz(path, point_format, records, chunks, scale=0.01, blocks=(), version=3, table_at_end=False, behind=b"", damage=lambda whole: whole):
+    """chunks: points of every chunk, or a list with those of each. version: of layered items. behind: what follows each chunk."""
     layered, varies = point_format >= 6, isinstance(chunks, list)
     items = [(kind, SIZES[kind]) for kind in FORMATS[point_format]]
     extra = len(records[0]) - sum(size for _, size in items)
@@ -385,7 +385,7 @@ def laz(path, point_format, records, chunks, scale=0.01, blocks=(), version=3, t
     parts, at = [], 0
     for count in counts:
         some = records[at:at + count]
-        parts.append(b"" if not some else layered_chunk(some, items, version) if layered else pointwise_chunk(some, items))
+        parts.append((layered_chunk(some, items, version) if layered else pointwise_chunk(some, items)) + behind)
         at += count
     block = struct.pack("<HHBBHIIqqH", 3 if layered else 2, 0, 3, 4, 3, 0, MASK if varies else chunks, -1, -1, len(items))
     block += b"".join(struct.pack("<3H", kind, size, version if layered else 2) for kind, size in items)

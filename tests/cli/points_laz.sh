@@ -12,7 +12,9 @@ def records(point_format, count, wild):
     new = point_format >= 6
     for k in range(count):
         x, y = k % 60 * 100 + r.choice((0, 0, 1, -2, 30)), k // 60 * 100 + r.choice((0, 0, 0, 5))
-        z = r.choice((z, z, z + 1, z - 7, r.randrange(3000)))
+        z = (r.choice((z, z, z + 1, z - 7, r.randrange(3000))) + 2**31) % 2**32 - 2**31
+        if wild and r.random() < 0.1:
+            z = r.choice((0, -2**31))
         if wild and r.random() < 0.1:
             x, y, z = [r.randrange(-2**e, 2**e) for e in (r.randrange(1, 32), 31, 27)]
         if r.random() < 0.6:
@@ -66,6 +68,7 @@ for name, damage in {"cut": lambda whole: whole[:-300], "begin": lambda whole: w
     laz("in/%s.laz" % name, 6, some, 300, damage=damage)
 some = records(1, 900, False)
 laz("in/flip.laz", 1, some, 300, damage=lambda whole: put(points(whole) + 8 + 32 + 500, whole[points(whole) + 540] ^ 255)(whole))
+laz("in/longer.laz", 1, some, 300, behind=b"123") # bytes that no point needs
 laz("in/waves.laz", 1, some, 300, damage=item(40, (9, 0, 29, 0, 1, 0)))
 P
 python3 in/make.py || exit 1
@@ -103,6 +106,7 @@ isorender_refuses 3 'in/unwritten.laz: damaged: its chunk table was not written'
 isorender_refuses 3 'in/table.laz: damaged: its chunk table' in/table.laz
 isorender_refuses 3 'in/layer.laz: damaged: chunk 1 of 3' in/layer.laz
 isorender_refuses 3 'in/flip.laz: damaged: chunk 1 of 3' in/flip.laz
+isorender_refuses 3 'in/longer.laz: damaged: chunk 1 of 3' in/longer.laz
 isorender_refuses 3 'in/many.laz: damaged: its chunk table has not all points' in/many.laz
 isorender_refuses 3 'in/items.laz: damaged: what its points consist of' in/items.laz
 isorender_refuses 3 'in/no_block.laz: damaged: nothing says how its points are compressed (LAZ)' in/no_block.laz

@@ -360,7 +360,7 @@ static bool begin(void *decoder, const unsigned char *bytes, size_t count) {
     reader r = {bytes, bytes + sizes, bytes - record - COUNT + count};
     for (int i = 0; i < l->layout->count; i++)
         if (!begin_layers(l, &r, &l->layout->items[i])) return false;
-    return true;
+    return r.layers == r.end;
 }
 
 static bool is_sound(const layered *l) {
