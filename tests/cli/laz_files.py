@@ -197,6 +197,92 @@ def write_xyz(state, xy, z_coder, name, last, now, steps, level, single):
     state[level] = now[2]
 
 
+def write_wave(coder, state, a, b):
+    coder.symbol("descriptor", 256, b[0])
+    (offset, size, *rest), (now, *now_rest) = struct.unpack("<Q5i", a[1:]), struct.unpack("<Q5i", b[1:])
+    size, near = size % (1 << 32), -(1 << 31) <= now - offset < 1 << 31
+    how = 0 if now == offset else 1 if now == offset + size else 2 if near else 3
+    coder.symbol(("offset", state.get("how", 0)), 4, how)
+    state["how"] = how
+    if how == 2:
+        coder.integer("offset step", 32, state.get("offset step", 0), now - offset)
+        state["offset step"] = now - offset
+    if how == 3:
+        coder.raw(32, now & MASK)
+        coder.raw(32, now >> 32)
+    coder.integer("size", 32, size, now_rest[0])
+    coder.integer("place", 32, rest[0], now_rest[1])
+    for axis in range(3):
+        coder.integer("direction", 32, rest[1 + axis], now_rest[2 + axis], axis)
+
+
+def write_point1(coder, state, a, b):
+    last, now = struct.unpack_from("<3i", a), struct.unpack_from("<3i", b)
+    steps, sizes = state.setdefault("steps", [(0, 0)] * 3), []
+    for axis in (0, 1):
+        median = sorted(s[axis] for s in steps)[1]
+        sizes.append(coder.integer(axis, 32, median, signed(now[axis] - last[axis]), min(sizes[0], 19) if axis else 0))
+    steps.append(tuple(signed(now[axis] - last[axis]) for axis in (0, 1)))
+    del steps[0]
+    size = sum(sizes) // 2
+    coder.integer(2, 32, last[2], now[2], min(size, 19))
+    changed = [a[12:14] != b[12:14]] + [a[k] != b[k] for k in (14, 15, 17)] + [a[18:] != b[18:]]
+    changed.insert(3, a[16] != b[16])
+    coder.symbol("changed", 64, sum(c << (5 - k) for k, c in enumerate(changed)))
+    if changed[0]:
+        coder.integer("intensity", 16, a[12] | a[13] << 8, b[12] | b[13] << 8)
+    for k, at in ((1, 14), (2, 15), (3, 16), (4, 17)):
+        if changed[k] and at == 16:
+            coder.integer("angle", 8, a[16], b[16], size < 3)
+        elif changed[k]:
+            coder.symbol((at, a[at]), 256, b[at])
+    if changed[5]:
+        coder.integer("source", 16, a[18] | a[19] << 8, b[18] | b[19] << 8)
+
+
+def write_time1(coder, state, a, b):
+    last, now = int.from_bytes(a, "little"), int.from_bytes(b, "little")
+    step, difference, near = state.get("step", 0), now - last, -(1 << 31) <= now - last < 1 << 31
+    if step == 0:
+        coder.symbol("zero", 3, 0 if difference == 0 else 1 if near else 2)
+    elif difference == 0 or not near:
+        coder.symbol("multiple", 512, 511 if difference == 0 else 510)
+    if not near:
+        coder.raw(32, now & MASK)
+        coder.raw(32, now >> 32)
+    if difference == 0 or not near:
+        return
+    if step == 0:
+        coder.integer("time", 32, 0, difference)
+        state["step"] = difference
+        return
+    multiple = max(0, min(509, int(difference / step + 0.5)))
+    coder.symbol("multiple", 512, multiple)
+    context = 2 if multiple == 0 else 1 if multiple == 1 else 3 if multiple < 10 else 4 if multiple < 50 else 5
+    coder.integer("time", 32, int(step / 4) if multiple == 0 else multiple * step, difference, context)
+    state["extremes"] = state.get("extremes", 0) + (multiple in (0, 509))
+    if multiple == 1 or state["extremes"] > 3:
+        state["step"], state["extremes"] = difference, 0
+
+
+def version1_chunk(records, items):
+    """As LASzip wrote until 2011."""
+    coder, states = Encoder(), {kind: {} for kind, _ in items}
+    for last, record in zip(records, records[1:]):
+        at = 0
+        for kind, size in items:
+            a, b = last[at:at + size], record[at:at + size]
+            if kind in (6, 7, 9):
+                {6: write_point1, 7: write_time1, 9: write_wave}[kind](coder, states[kind], a, b)
+            if kind == 8:
+                coder.symbol("used", 64, sum((x != y) << k for k, (x, y) in enumerate(zip(a, b))))
+            for k in range(size if kind in (0, 8) else 0):
+                if kind == 0 or a[k] != b[k]:
+                    coder.integer("bytes" if kind == 0 else "rgb", 8, a[k], b[k], k)
+            at += size
+    return records[0] + coder.done()
+
+
 def pointwise_chunk(records, items):
     contexts = ((15, 14, 13, 12, 11, 10, 9, 8), (14, 0, 1, 3, 6, 10, 10, 9), (13, 1, 2, 4, 7, 11, 11, 10), (12, 3, 4, 5, 8, 12, 12, 11),
                 (11, 6, 7, 8, 9, 13, 13, 12), (10, 10, 11, 12, 13, 14, 14, 13), (9, 10, 11, 12, 13, 14, 15, 14), (8, 9, 10, 11, 12, 13, 14, 15))
@@ -231,6 +317,8 @@ def pointwise_chunk(records, items):
                 time.write(int.from_bytes(b, "little"))
             elif kind == 8:
                 write_color(coder, "rgb", struct.unpack("<3H", a), struct.unpack("<3H", b))
+            elif kind == 9:
+                write_wave(coder, state, a, b)
             else:
                 for k in range(size):
                     coder.symbol(("byte", k), 256, (b[k] - a[k]) % 256)
@@ -353,8 +441,8 @@ def layered_chunk(records, items, version):
 
 # ---- files
 
-FORMATS = {0: (6,), 1: (6, 7), 2: (6, 8), 3: (6, 7, 8), 6: (10,), 7: (10, 11), 8: (10, 12), 9: (10, 13)}
-SIZES = {6: 20, 7: 8, 8: 6, 10: 30, 11: 6, 12: 8, 13: 29}
+FORMATS = {0: (6,), 1: (6, 7), 2: (6, 8), 3: (6, 7, 8), 4: (6, 7, 9), 5: (6, 7, 8, 9), 6: (10,), 7: (10, 11), 8: (10, 12), 9: (10, 13)}
+SIZES = {6: 20, 7: 8, 8: 6, 9: 29, 10: 30, 11: 6, 12: 8, 13: 29}
 
 
 def file(point_format, records, blocks, scale, compressed):
@@ -375,8 +463,8 @@ def las(path, point_format, records, scale=0.01, blocks=()):
 
 
 def laz(path, point_format, records, chunks, scale=0.01, blocks=(), version=3, table_at_end=False, behind=b"", damage=lambda whole: whole):
-    """chunks: points of every chunk, or a list with those of each. version: of layered items. behind: what follows each chunk."""
-    layered, varies = point_format >= 6, isinstance(chunks, list)
+    """chunks: points of every chunk, or a list with those of each. version: of items, 1 in a single chunk as LASzip 1 wrote it. behind: what follows each chunk."""
+    layered, varies, first = point_format >= 6, isinstance(chunks, list), version == 1
     items = [(kind, SIZES[kind]) for kind in FORMATS[point_format]]
     extra = len(records[0]) - sum(size for _, size in items)
     if extra:
@@ -385,11 +473,15 @@ def laz(path, point_format, records, chunks, scale=0.01, blocks=(), version=3, t
     parts, at = [], 0
     for count in counts:
         some = records[at:at + count]
-        parts.append((layered_chunk(some, items, version) if layered else pointwise_chunk(some, items)) + behind)
+        part = layered_chunk(some, items, version) if layered else (version1_chunk if first else pointwise_chunk)(some, items)
+        parts.append(part + behind)
         at += count
-    block = struct.pack("<HHBBHIIqqH", 3 if layered else 2, 0, 3, 4, 3, 0, MASK if varies else chunks, -1, -1, len(items))
-    block += b"".join(struct.pack("<3H", kind, size, version if layered else 2) for kind, size in items)
+    block = struct.pack("<HHBBHIIqqH", 3 if layered else 1 if first else 2, 0, 3, 4, 3, 0, MASK if varies else chunks, -1, -1, len(items))
+    block += b"".join(struct.pack("<3H", kind, size, version if layered else 1 if first or kind == 9 else 2) for kind, size in items)
     head = file(point_format, records, [*blocks, (b"laszip encoded", 22204, block)], scale, True)
+    if first:
+        open(path, "wb").write(head + parts[0])
+        return
     coder, last = Encoder(), (0, 0)
     for count, part in zip(counts, parts):
         if varies:

@@ -41,11 +41,8 @@ static iso_status check_item(const iso_laz *laz, const iso_laz_item *item, iso_e
     if (!is_known(item->type) || (item->type >= ISO_LAZ_POINT14) != layered ||
         (bytes_of(item->type) ? item->bytes != bytes_of(item->type) : item->bytes == 0))
         return damaged(laz, "what its points consist of", error);
-    if (item->type == ISO_LAZ_WAVEPACKET13)
-        return iso_fail(error, ISO_ERR_UNSUPPORTED,
-                        "%s: compressed waveforms of point formats 4 and 5 are not read: " CONVERT,
-                        laz->path);
-    if (layered ? item->version == 3 || item->version == 4 : item->version == 2) return ISO_OK;
+    const bool pointwise = item->version == 1 || (item->version == 2 && item->type != ISO_LAZ_WAVEPACKET13);
+    if (layered ? item->version == 3 || item->version == 4 : pointwise) return ISO_OK;
     return iso_fail(error, ISO_ERR_UNSUPPORTED,
                     "%s: version %d of compressed points (LAZ) is not read: " CONVERT, laz->path,
                     item->version);

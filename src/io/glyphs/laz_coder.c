@@ -88,9 +88,13 @@ uint32_t iso_laz_raw(iso_laz_coder *coder, uint32_t bits) {
 
 uint32_t iso_laz_integer(iso_laz_coder *coder, iso_laz_integers *integers, uint32_t bits, uint32_t predicted,
                          uint32_t context) {
+    return iso_laz_integer_by(coder, integers, &integers->sizes[context], bits, predicted);
+}
+
+uint32_t iso_laz_integer_by(iso_laz_coder *coder, iso_laz_integers *integers, iso_laz_model *sizes,
+                            uint32_t bits, uint32_t predicted) {
     /* differences of k bits are -(2^k - 1) .. -2^(k-1) and 2^(k-1) + 1 .. 2^k; 0 and 1 have none */
-    const uint32_t k = bits == 16 ? iso_laz_symbol(coder, &integers->sizes[context], 17)
-                                  : iso_laz_symbol(coder, &integers->sizes[context], 33);
+    const uint32_t k = iso_laz_symbol(coder, sizes, bits + 1);
     uint32_t difference;
     integers->size = k;
     if (k == 0) return predicted + iso_laz_bit(coder, &integers->bit);

@@ -108,9 +108,12 @@ uint32_t iso_laz_bit(iso_laz_coder *coder, iso_laz_bit_model *model);
 /* Decodes `bits` bits, 1 .. 32, all of whose values are equally frequent. */
 uint32_t iso_laz_raw(iso_laz_coder *coder, uint32_t bits);
 
-/* Decodes an integer of `bits` bits, 16 or 32 (of 16, only the lower ones count), from its prediction. */
+/* Decodes an integer of `bits` bits, 8, 16 or 32 (only so many of the result count), from its prediction. */
 uint32_t iso_laz_integer(iso_laz_coder *coder, iso_laz_integers *integers, uint32_t bits, uint32_t predicted,
                          uint32_t context);
+/* The same for a context whose sizes are elsewhere. */
+uint32_t iso_laz_integer_by(iso_laz_coder *coder, iso_laz_integers *integers, iso_laz_model *sizes,
+                            uint32_t bits, uint32_t predicted);
 
 /* A running median of five numbers, at first 0: of the sorted five, the largest and the smallest are replaced
  * in turn. Zero-initialise. */

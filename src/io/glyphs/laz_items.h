@@ -4,6 +4,8 @@
 #ifndef ISO_IO_GLYPHS_LAZ_ITEMS_H
 #define ISO_IO_GLYPHS_LAZ_ITEMS_H
 
+#include <string.h>
+
 #include "base/status.h"
 #include "io/glyphs/laz_coder.h"
 
@@ -36,6 +38,29 @@ typedef struct iso_laz_layout {
     int count;
     size_t record; /* bytes of all items */
 } iso_laz_layout;
+
+/* ---- numbers of records, in the byte order of the machines that this runs on, little-endian */
+
+static inline uint32_t iso_laz_load32(const unsigned char *from) {
+    uint32_t number;
+    memcpy(&number, from, sizeof number);
+    return number;
+}
+
+static inline void iso_laz_store32(unsigned char *to, uint32_t number) {
+    memcpy(to, &number, sizeof number);
+}
+
+static inline uint16_t iso_laz_load16(const unsigned char *from) {
+    uint16_t number;
+    memcpy(&number, from, sizeof number);
+    return number;
+}
+
+static inline void iso_laz_store16(unsigned char *to, uint32_t number) {
+    const uint16_t half = (uint16_t)number;
+    memcpy(to, &half, sizeof half);
+}
 
 /* ---- times */
 

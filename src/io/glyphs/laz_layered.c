@@ -275,15 +275,9 @@ typedef struct reader {
     const unsigned char *sizes, *layers, *end;
 } reader;
 
-static uint32_t load32(const unsigned char *from) {
-    uint32_t number;
-    memcpy(&number, from, sizeof number);
-    return number;
-}
-
 /* Begins the next layer; *has: it has bytes. */
 static bool begin_layer(layered *l, reader *r, iso_laz_coder *coder, bool *has) {
-    const size_t bytes = load32(r->sizes);
+    const size_t bytes = iso_laz_load32(r->sizes);
     r->sizes += 4;
     *has = bytes > 0;
     if (bytes > (size_t)(r->end - r->layers)) return false;

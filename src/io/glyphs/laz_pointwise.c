@@ -1,9 +1,10 @@
-/* laz_pointwise: chunks of point formats 0 to 3, whose points are coded one after the other, each item of
- * them from the last point's (items of version 2). The first point is not coded. */
+/* laz_pointwise: chunks of point formats 0 to 5, whose points are coded one after the other, each item of
+ * them from the last point's: here items of version 2. The first point is not coded. */
 #include <string.h>
 
 #include "base/memory.h"
 #include "io/glyphs/laz_items.h"
+#include "io/glyphs/laz_version1.h"
 
 /* The records' first 20 bytes. */
 typedef struct point10 {
@@ -20,6 +21,11 @@ typedef struct state {
     point10 point;
     iso_laz_time time;
     iso_laz_color color;
+    iso_laz_point1 point1;
+    iso_laz_time1 time1;
+    iso_laz_color1 color1;
+    iso_laz_integers bytes1;
+    iso_laz_wave wave;
 } state;
 
 typedef struct pointwise {
@@ -38,27 +44,6 @@ static const uint8_t return_contexts[8][8] = {
     {12, 3, 4, 5, 8, 12, 12, 11},    {11, 6, 7, 8, 9, 13, 13, 12},  {10, 10, 11, 12, 13, 14, 14, 13},
     {9, 10, 11, 12, 13, 14, 15, 14}, {8, 9, 10, 11, 12, 13, 14, 15}};
 
-static uint32_t load32(const unsigned char *from) {
-    uint32_t number;
-    memcpy(&number, from, sizeof number);
-    return number;
-}
-
-static void store32(unsigned char *to, uint32_t number) {
-    memcpy(to, &number, sizeof number);
-}
-
-static uint16_t load16(const unsigned char *from) {
-    uint16_t number;
-    memcpy(&number, from, sizeof number);
-    return number;
-}
-
-static void store16(unsigned char *to, uint32_t number) {
-    const uint16_t half = (uint16_t)number;
-    memcpy(to, &half, sizeof half);
-}
-
 enum { INTENSITY = 12, FLAGS = 14, CLASS, ANGLE, USER, SOURCE };
 
 /* Everything but the coordinates. */
@@ -69,11 +54,13 @@ static void next_attributes(point10 *p, iso_laz_coder *coder, unsigned char *las
     if (changed & 16)
         p->intensities[context] = (uint16_t)iso_laz_integer(coder, &p->intensity, 16, p->intensities[context],
                                                             context < 3 ? context : 3);
-    store16(last + INTENSITY, p->intensities[context]);
+    iso_laz_store16(last + INTENSITY, p->intensities[context]);
     if (changed & 8) last[CLASS] = (uint8_t)iso_laz_symbol(coder, &p->classes[last[CLASS]], 256);
     if (changed & 4) last[ANGLE] = iso_laz_byte_next(&p->angles[last[FLAGS] >> 6 & 1], coder, last[ANGLE]);
     if (changed & 2) last[USER] = (uint8_t)iso_laz_symbol(coder, &p->users[last[USER]], 256);
-    if (changed & 1) store16(last + SOURCE, iso_laz_integer(coder, &p->source, 16, load16(last + SOURCE), 0));
+    if (changed & 1)
+        iso_laz_store16(last + SOURCE,
+                        iso_laz_integer(coder, &p->source, 16, iso_laz_load16(last + SOURCE), 0));
 }
 
 static void next_point(point10 *p, iso_laz_coder *coder, unsigned char *last) {
@@ -85,39 +72,72 @@ static void next_point(point10 *p, iso_laz_coder *coder, unsigned char *last) {
 
     const uint32_t dx = iso_laz_integer(coder, &p->dx, 32, iso_laz_median_get(&p->x_steps[steps]), single);
     iso_laz_median_add(&p->x_steps[steps], (int32_t)dx);
-    store32(last, load32(last) + dx);
+    iso_laz_store32(last, iso_laz_load32(last) + dx);
 
     uint32_t size = p->dx.size;
     const uint32_t dy = iso_laz_integer(coder, &p->dy, 32, iso_laz_median_get(&p->y_steps[steps]),
                                         single + (size < 20 ? size & ~1U : 20));
     iso_laz_median_add(&p->y_steps[steps], (int32_t)dy);
-    store32(last + 4, load32(last + 4) + dy);
+    iso_laz_store32(last + 4, iso_laz_load32(last + 4) + dy);
 
     size = (p->dx.size + p->dy.size) / 2;
     p->heights[level] =
         iso_laz_integer(coder, &p->z, 32, p->heights[level], single + (size < 18 ? size & ~1U : 18));
-    store32(last + 8, p->heights[level]);
+    iso_laz_store32(last + 8, p->heights[level]);
+}
+
+static void next_time(pointwise *p, unsigned char *last) {
+    const uint64_t time = iso_laz_time_next(&p->now.time, &p->coder, false);
+    memcpy(last, &time, sizeof time);
+}
+
+static void next_color(pointwise *p, unsigned char *last) {
+    uint16_t rgb[3];
+    memcpy(rgb, last, sizeof rgb);
+    iso_laz_color_next(&p->now.color, &p->coder, rgb);
+    memcpy(last, rgb, sizeof rgb);
+}
+
+static void next_bytes(pointwise *p, const iso_laz_item *item, unsigned char *last) {
+    for (size_t k = 0; k < item->bytes; k++)
+        last[k] = item->version == 1
+                      ? (uint8_t)iso_laz_integer_by(&p->coder, &p->now.bytes1, &p->bytes[k], 8, last[k])
+                      : iso_laz_byte_next(&p->bytes[k], &p->coder, last[k]);
+}
+
+static void next_item(pointwise *p, const iso_laz_item *item, unsigned char *last) {
+    const bool first_version = item->version == 1;
+    switch (item->type) {
+    case ISO_LAZ_POINT10:
+        if (first_version)
+            iso_laz_point1_next(&p->now.point1, &p->coder, last);
+        else
+            next_point(&p->now.point, &p->coder, last);
+        break;
+    case ISO_LAZ_GPSTIME11:
+        if (first_version)
+            iso_laz_time1_next(&p->now.time1, &p->coder, last);
+        else
+            next_time(p, last);
+        break;
+    case ISO_LAZ_RGB12:
+        if (first_version)
+            iso_laz_color1_next(&p->now.color1, &p->coder, last);
+        else
+            next_color(p, last);
+        break;
+    case ISO_LAZ_WAVEPACKET13:
+        iso_laz_wave_next(&p->now.wave, &p->coder, last);
+        break;
+    default:
+        next_bytes(p, item, last);
+    }
 }
 
 static void next_record(pointwise *p) {
     unsigned char *last = p->last;
-    for (int i = 0; i < p->layout->count; i++) {
-        const iso_laz_item *item = &p->layout->items[i];
-        if (item->type == ISO_LAZ_POINT10) next_point(&p->now.point, &p->coder, last);
-        if (item->type == ISO_LAZ_GPSTIME11) {
-            const uint64_t time = iso_laz_time_next(&p->now.time, &p->coder, false);
-            memcpy(last, &time, sizeof time);
-        }
-        if (item->type == ISO_LAZ_RGB12) {
-            uint16_t rgb[3];
-            memcpy(rgb, last, sizeof rgb);
-            iso_laz_color_next(&p->now.color, &p->coder, rgb);
-            memcpy(last, rgb, sizeof rgb);
-        }
-        for (size_t k = 0; k < item->bytes && item->type == ISO_LAZ_BYTES; k++)
-            last[k] = iso_laz_byte_next(&p->bytes[k], &p->coder, last[k]);
-        last += item->bytes;
-    }
+    for (int i = 0; i < p->layout->count; last += p->layout->items[i++].bytes)
+        next_item(p, &p->layout->items[i], last);
 }
 
 /* ---- chunks */
