@@ -1,6 +1,6 @@
 /* laz_version1: items of version 1, which LASzip wrote until 2011, and waveforms, which have no other one.
- * Each function replaces the item of the last point by that of the next. Structs: zero-initialise. Internal to
- * src/io/glyphs. */
+ * Each function replaces the item of the last point by that of the next. Zero-initialise the structs.
+ * Internal to src/io/glyphs. */
 #ifndef ISO_IO_GLYPHS_LAZ_VERSION1_H
 #define ISO_IO_GLYPHS_LAZ_VERSION1_H
 
