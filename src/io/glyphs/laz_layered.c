@@ -7,7 +7,7 @@
 #include "io/glyphs/laz_items.h"
 
 /* Layers of POINT14, in their order. */
-enum { RETURNS_XY, Z, CLASS, FLAGS, INTENSITY, ANGLE, USER, SOURCE, TIME, LAYERS, CHANNELS = 4 };
+enum { RETURNS_XY, HEIGHT, CLASS, FLAGS, INTENSITY, ANGLE, USER, SOURCE, TIME, LAYERS, CHANNELS = 4 };
 
 /* The numbers of a point that are in the records' first 30 bytes. */
 typedef struct point14 {
@@ -154,12 +154,12 @@ static void next_place(layered *l, channel *c, bool time_changed) {
     iso_laz_median_add(&c->y_steps[steps], (int32_t)dy);
     p->y += dy;
 
-    if (!l->has[Z]) return;
+    if (!l->has[HEIGHT]) return;
     int level = p->returns > p->number ? p->returns - p->number : p->number - p->returns;
     if (level > 7) level = 7;
     size = (c->dx.size + c->dy.size) / 2;
-    p->z = c->heights[level] =
-        iso_laz_integer(&l->layers[Z], &c->z, 32, c->heights[level], single + (size < 18 ? size & ~1U : 18));
+    p->z = c->heights[level] = iso_laz_integer(&l->layers[HEIGHT], &c->z, 32, c->heights[level],
+                                               single + (size < 18 ? size & ~1U : 18));
 }
 
 static void next_attributes(layered *l, channel *c, uint32_t changed) {
