@@ -117,5 +117,5 @@ isorender_refuses 3 'in/longer.laz: damaged: chunk 1 of 3' in/longer.laz
 isorender_refuses 3 'in/many.laz: damaged: its chunk table has not all points' in/many.laz
 isorender_refuses 3 'in/items.laz: damaged: what its points consist of' in/items.laz
 isorender_refuses 3 'in/no_block.laz: damaged: nothing says how its points are compressed (LAZ)' in/no_block.laz
-isorender_refuses 3 'in/way.laz: way 7 of compression (LAZ) is not read: pdal translate' in/way.laz
+isorender_refuses 3 'in/way.laz: compressor 7 with coder 0 of LAZ is not read: pdal translate' in/way.laz
 isorender_refuses 3 'in/version.laz: version 1 of compressed points (LAZ) is not read: pdal translate' in/version.laz

@@ -69,9 +69,11 @@ static iso_status read_block(iso_laz *laz, const unsigned char *block, size_t by
         return damaged(laz, "its block of LASzip", error);
     laz->compressor = (int)number_at(block, 2);
     laz->chunk_points = (uint32_t)number_at(block + 12, 4);
-    if (laz->compressor < POINTWISE || laz->compressor > LAYERED_CHUNKED || number_at(block + 2, 2) != 0)
-        return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: way %d of compression (LAZ) is not read: " CONVERT,
-                        laz->path, laz->compressor);
+    const int coder = (int)number_at(block + 2, 2);
+    if (laz->compressor < POINTWISE || laz->compressor > LAYERED_CHUNKED || coder != 0)
+        return iso_fail(error, ISO_ERR_UNSUPPORTED,
+                        "%s: compressor %d with coder %d of LAZ is not read: " CONVERT, laz->path,
+                        laz->compressor, coder);
     for (const unsigned char *at = block + HEAD; at < block + HEAD + count * ITEM; at += ITEM) {
         const iso_laz_item item = {(int)number_at(at, 2), (int)number_at(at + 4, 2),
                                    (size_t)number_at(at + 2, 2)};
@@ -88,8 +90,8 @@ static iso_status read_block(iso_laz *laz, const unsigned char *block, size_t by
 
 /* ---- the chunk table */
 
-/* More points than any encoder gets into so many bytes would take any memory: the rarest symbols keep a part
- * of 2^-15 of the interval, so that a point takes 0.007 bits at least. */
+/* More points than any encoder gets into so many bytes would take any memory. Each symbol that does not come
+ * keeps 2^-15 of the interval, so that a point, three symbols at least of 33 and more, takes 0.007 bits. */
 static bool can_hold(uint64_t bytes, uint64_t points, size_t record) {
     const uint64_t most = 8 * 256;
     return bytes >= record && (points - 1) / most <= bytes - record;

@@ -28,7 +28,8 @@ typedef struct iso_laz {
 
 /* Opens a file whose header and blocks have been read: the contents of the block of LASzip, where the points
  * begin, how many they are, and the bytes of a record. iso_laz_close when done, also after an error.
- * ISO_ERR_IO: damaged or truncated; ISO_ERR_UNSUPPORTED: a way of compression that is not read. */
+ * ISO_ERR_IO: damaged or truncated; ISO_ERR_UNSUPPORTED: a way of compression that is not read;
+ * ISO_ERR_NOMEM. */
 iso_status iso_laz_open(iso_laz *laz, const char *path, const unsigned char *block, size_t block_bytes,
                         uint64_t begin, uint64_t points, size_t record, iso_error *error);
 void iso_laz_close(iso_laz *laz);
