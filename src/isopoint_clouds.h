@@ -45,7 +45,7 @@ typedef struct iso_surface_cloud_opts {
  * between 0 and 1; ISO_ERR_EMPTY: no points, or none with finite coordinates; ISO_ERR_LIMIT: 2^31 or more. */
 ISO_API iso_status iso_surface_of_cloud(const iso_cloud_arrays *cloud, const iso_surface_cloud_opts *opts,
                                         iso_surface **surface, iso_error *error);
-/* The same of a file of points: .ply (also 3-D Gaussians), .las, .pcd, .xyz, .csv and others
+/* The same of a file of points: .ply (also 3-D Gaussians), .las, .laz, .pcd, .xyz, .csv and others
  * (docs/formats.md). ISO_ERR_IO, ISO_ERR_FORMAT, and those above. */
 ISO_API iso_status iso_surface_read_cloud(const char *path, const iso_surface_cloud_opts *opts,
                                           iso_surface **surface, iso_error *error);

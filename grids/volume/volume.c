@@ -211,8 +211,7 @@ static bool is_metadata(const char *path) {
 
 #define EXODUS ".exo .ex2 .e"
 
-/* Files that are often taken for a volume, by how they begin, and what to do with them. A point cloud in LAZ
- * has a reader that refuses it (src/io/glyphs/las.c). */
+/* Files that are often taken for a volume, by how they begin, and what to do with them. */
 static const struct {
     const char *begins, *advice;
 } confused[] = {

@@ -293,7 +293,7 @@ class Cloud(_Surfaces):
     @classmethod
     def read(cls, path: Path, *, radius: float = 0.0, color: Optional[Color] = None, opacity: float = 1.0,
              threads: int = 0) -> "Cloud":
-        """Points of a file: .ply, .las, .pcd, .xyz, .csv and others."""
+        """Points of a file: .ply, .las, .laz, .pcd, .xyz, .csv and others."""
         made = ffi.new("iso_surface **")
         opts = ffi.new("iso_surface_cloud_opts *", {"radius": radius, "threads": threads,
                                                     "gaussians_as_discs": not issubclass(cls, Gaussians)})

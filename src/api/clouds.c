@@ -67,9 +67,10 @@ static iso_status take_opacities(const char *path, iso_api_cloud *cloud, iso_err
     return iso_fail(error, ISO_ERR_FORMAT, "%s: its Gaussians are not one number for each property", path);
 }
 
-static iso_status read_cloud(const char *path, const iso_surface_cloud_opts *opts, iso_api_cloud *cloud,
+static iso_status read_cloud(const char *path, const iso_surface_cloud_opts *opts, iso_surface *surface,
                              iso_error *error) {
-    const iso_read_opts reading = {.normals_from_faces = true};
+    const iso_read_opts reading = {.normals_from_faces = true, .pool = surface->pool};
+    iso_api_cloud *cloud = surface->cloud;
     ISO_TRY(iso_api_check_path(path, error));
     ISO_TRY(iso_glyphs_read(path, &reading, &cloud->points, error));
     if (!cloud->points.count) return iso_fail(error, ISO_ERR_EMPTY, "%s: holds no usable point", path);
@@ -115,15 +116,18 @@ static iso_status begin(const iso_surface_cloud_opts *opts, iso_surface **surfac
     made->opacity = opts->opacity > 0 ? opts->opacity : 1;
     made->has_color = opts->color != NULL;
     if (opts->color) made->color = *opts->color;
-    *surface = made;
-    return ISO_OK;
+    const iso_status status = iso_api_pool(opts->threads, &made->pool, error);
+    made->scene.pool = made->pool;
+    if (status != ISO_OK)
+        iso_surface_destroy(made);
+    else
+        *surface = made;
+    return status;
 }
 
 /* Finishes a surface whose points are there. If this fails, or if `status` is a failure already, frees it. */
 static iso_status finish(iso_status status, iso_surface *made, const iso_surface_cloud_opts *opts,
                          iso_surface **surface, iso_error *error) {
-    if (status == ISO_OK) status = iso_api_pool(opts->threads, &made->pool, error);
-    made->scene.pool = made->pool;
     if (status == ISO_OK) status = make_discs(opts, made, error);
     if (status == ISO_OK)
         *surface = made;
@@ -147,7 +151,7 @@ iso_status iso_surface_read_cloud(const char *path, const iso_surface_cloud_opts
     iso_surface *made = NULL;
     if (!opts) opts = &defaults;
     ISO_TRY(begin(opts, &made, error));
-    return finish(read_cloud(path, opts, made->cloud, error), made, opts, surface, error);
+    return finish(read_cloud(path, opts, made, error), made, opts, surface, error);
 }
 
 void iso_api_cloud_hide_colors(iso_api_cloud *cloud, bool hidden) {

@@ -252,6 +252,7 @@ static iso_read_opts read_opts(iso_loader *loader) {
                            .every = loader->every,
                            .columns = loader->columns,
                            .normals_from_faces = true,
+                           .pool = loader->pool,
                            .files = loader->files,
                            .report = &loader->report};
 }

@@ -238,6 +238,7 @@ iso_status iso_object_file_read(iso_object_file *file, const char *path, iso_obj
         return iso_fail(error, ISO_ERR_USAGE, "%s: --space voxels and fsl are for volumes of vectors", path);
     if (kind == ISO_OBJECT_MESH) return read_mesh(&r, error);
     if (kind == ISO_OBJECT_LINES) return read_lines(&r, error);
+    reporting.pool = pool;
     ISO_TRY(iso_glyphs_read(path, &reporting, &file->glyphs, error));
     return file->glyphs.count ? ISO_OK : iso_fail(error, ISO_ERR_EMPTY, "%s: holds no points", path);
 }

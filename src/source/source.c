@@ -360,7 +360,8 @@ static iso_status convert_lines(const iso_source *source, iso_hgrid **grid, iso_
 enum { POINT_MARGIN = 4 };
 
 static iso_status read_points(const iso_source *source, iso_cloud *cloud, iso_error *error) {
-    const iso_read_opts opts = {.max_memory = source->input ? source->input->max_memory : 0};
+    const iso_read_opts opts = {.max_memory = source->input ? source->input->max_memory : 0,
+                                .pool = source->pool};
     const iso_cloud_opts making = {.pool = source->pool};
     iso_glyphs glyphs;
     ISO_TRY(iso_glyphs_read(source->path, &opts, &glyphs, error));

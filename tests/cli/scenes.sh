@@ -42,17 +42,17 @@ expect(Png("small.png").width == 40)
 expect(Png("other.png").rows != Png("first.png").rows)
 P
 # an option replaces all of its kind that the picture had, and files that only these named need not be there
-isorender --again first.png one.png --isovalue 500 --quiet --json=one.json
+isorender --again first.png one.png --isovalue 450,350 --quiet --json=one.json
 isorender --again first.png red.png --color red --opacity 1 --quiet
 python3 - <<'P'
 from check import *
-expect(report("one.json")["isovalues"] == [500], report("one.json")["isovalues"])
+expect(report("one.json")["isovalues"] == [450, 350], report("one.json")["isovalues"])
 scene = json.loads(Png("red.png").texts["Scene"])
 given = [next(iter(o.items())) for o in scene["options"]]
 expect([v for k, v in given if k == "opacity"] == ["1"] and [v for k, v in given if k == "color"] == ["red"], given)
 P
 mkdir away && cp first.png away/ && cp in/p.xyz elsewhere.xyz
-refuses 3 "in/p.xyz, of which it was drawn, is not beside it" isorender --again away/first.png in/a.mha -o bad.png --quiet
+refuses 3 "away/in/p.xyz: cannot read" isorender --again away/first.png in/a.mha -o bad.png --quiet
 (cd away && isorender --again first.png ../in/a.mha --glyphs ../elsewhere.xyz -o moved.png --quiet)
 python3 -c 'from check import *; expect(Png("away/moved.png").rows == Png("first.png").rows)'
 cp fig.json two.json

@@ -53,6 +53,8 @@ def write_inputs(folder, source, programs):
         for face in faces:
             file.write(struct.pack("<12fH", 0, 0, 0, *(c for corner in face for c in corners[corner]), 0))
     shutil.copy(os.path.join(source, "tests/hostile/ball.strokes"), path("ball.strokes"))
+    with open(os.path.join(source, "tests/fuzz/corpus/glyphs/layered.laz"), "rb") as file, open(path("scan.laz"), "wb") as copy:
+        copy.write(file.read()[1:])
     for name, isovalue in (("a.png", 120), ("b.png", 130)):
         subprocess.run([os.path.join(programs, "isorender"), path("v.nrrd"), path(name), "--isovalue=%d" % isovalue,
                         "--resolution=64x48", "--quiet"], check=True)
@@ -74,6 +76,7 @@ COMMANDS = {
     "layers": ["isorender", "in/v.nrrd", "a.png", "--isovalue=110,140", "--opacity=0.5", "--largest", "--closed", *SMALL],
     "part": ["isorender", "in/v.nrrd", "a.isokeys", "--part=1/2", "--chunk-size=16", *SMALL],
     "cloud": ["isorender", "in/cloud.xyz", "a.png", *SMALL],
+    "laz": ["isorender", "in/scan.laz", "a.png", *SMALL],
     "lines": ["isorender", "in/cell.swc", "a.png", *SMALL],
     "info": ["isorender", "in/v.nrrd", "--info", "--threads=1"],
     "sculpt": ["isosculpt", "--replay", "in/ball.strokes", "--headless", "--output=a.ply", "--threads=1", "--quiet"],

@@ -355,7 +355,7 @@ def object_seeds(source, kind, option, picture):
     """Files of lines or glyphs: their fuzzer's, less those that are damaged already."""
     corpus = os.path.join(source, "tests/fuzz/corpus", kind)
     for name in sorted(os.listdir(corpus)):
-        if name in ("cycle.swc", "short.pdb", "compressed.laz"):
+        if name in ("cycle.swc", "short.pdb"):
             continue
         with open(os.path.join(corpus, name), "rb") as file:
             yield Seed("isorender %s %s" % (kind, name), {"a." + name.rsplit(".", 1)[1]: file.read()[1:]},
@@ -373,7 +373,7 @@ def gaussians_file():
 
 def point_seeds(source, picture):
     """Files of points as the input: the fuzzer's of glyphs, and some whose columns are named."""
-    points = (".ply", ".pcd", ".las", ".npy", ".pts", ".pwn", ".off", ".obj")
+    points = (".ply", ".pcd", ".las", ".laz", ".npy", ".pts", ".pwn", ".off", ".obj")
     for seed in object_seeds(source, "glyphs", "--glyphs", picture):
         if seed.names[0].endswith(points) or "ten.xyz" in seed.label or "points.xyz" in seed.label:
             yield Seed(seed.label.replace("glyphs", "points"), seed.files, "isorender", picture)

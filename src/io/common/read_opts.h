@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "base/file_set.h"
+#include "base/parallel.h"
 #include "base/unit.h"
 
 /* The axes of a file's coordinates. RAS (x to the patient's right, y to the front) becomes LPS, the space of
@@ -53,6 +54,7 @@ typedef struct iso_read_opts {
      * their columns, separated by commas, "-" for one that is not wanted. They take the place of names in the
      * file. NULL: the file's names, or the values, say what the columns are. */
     const char *columns;
+    iso_pool *pool;          /* reads parts of compressed files at a time; may be NULL */
     iso_file_set *files;     /* every file that is read is added to it; may be NULL */
     iso_read_report *report; /* may be NULL */
 } iso_read_opts;

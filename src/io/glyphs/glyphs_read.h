@@ -8,8 +8,8 @@
  *           assembly (REMARK 350) makes of the chains
  *   .csv    a row of names with x y z, then numbers, or words that are numbered
  *   .pcd    the Point Cloud Library's: as text, binary, or compressed; rgb and rgba are packed colours
- *   .las    scans from the air and the ground, LAS 1.0 to 1.4, point formats 0 to 10, extra bytes, the unit;
- *           not the compressed LAZ
+ *   .las    scans from the air and the ground, LAS 1.0 to 1.4, point formats 0 to 10, extra bytes, the unit
+ *   .laz    the same, compressed by any LASzip from 1 to 3; and COPC, all of its points
  *   .e57    scans of scanners (ASTM E2807), all of a file by their poses, in metres; not their images
  *   .pts .asc .txt  points as rows of 3 to 10 numbers between blanks, commas or semicolons; before them, if
  *           they are there, the number of points and a row of names; # and // begin comments

@@ -1,6 +1,6 @@
 /* las: scans from the air and the ground (ASPRS LAS 1.0 to 1.4, point formats 0 to 10). A record may be
  * longer than its format: the further bytes are columns if a block describes them (las_blocks.h), else
- * ignored. LAZ, the compressed form, is not read.
+ * ignored. LAZ, the compressed form, holds the same records (laz.h).
  *
  * Floats hold times of GPS only coarsely, so that the attribute gps_time counts from the first point's time,
  * rounded down. */
@@ -9,6 +9,7 @@
 
 #include "grids/volume/scalar_load.h"
 #include "io/glyphs/las_blocks.h"
+#include "io/glyphs/laz.h"
 #include "io/polydata/records.h"
 
 enum { HEADER_LEAST = 227, HEADER_14 = 375, FORMATS = 11, FIELDS = 16 + 3 * ISO_LAS_EXTRAS };
@@ -27,6 +28,7 @@ typedef struct las {
     size_t record;
     uint64_t points, begin, block_count; /* begin: offset of the first point in the file */
     iso_las_blocks blocks;
+    iso_laz laz; /* of compressed points */
     iso_record_field fields[FIELDS];
     int field_count;
 } las;
@@ -74,15 +76,12 @@ static iso_status read_header(las *l, iso_error *error) {
     return iso_fail(error, ISO_ERR_FORMAT, "%s: damaged: its points begin in the LAS header", path_of(l));
 }
 
-static iso_status fail_compressed(const las *l, iso_error *error) {
-    return iso_fail(error, ISO_ERR_UNSUPPORTED,
-                    "%s: compressed (LAZ), which is not read: pdal translate scan.laz scan.las, or laszip, "
-                    "converts it",
-                    path_of(l));
-}
-
 static iso_status check_format(las *l, iso_error *error) {
-    if (l->blocks.compressed || l->format & 0xc0) return fail_compressed(l, error);
+    enum { COMPRESSED = 0x80, OLD_COMPRESSED = 0x40 };
+    if (l->format & (COMPRESSED | OLD_COMPRESSED) && !l->blocks.compressed)
+        return iso_fail(error, ISO_ERR_FORMAT,
+                        "%s: damaged: nothing says how its points are compressed (LAZ)", path_of(l));
+    l->format &= ~(COMPRESSED | OLD_COMPRESSED);
     if (l->format >= FORMATS)
         return iso_fail(error, ISO_ERR_UNSUPPORTED, "%s: point format %d of LAS is not known", path_of(l),
                         l->format);
@@ -108,11 +107,17 @@ static iso_status add_number(las *l, const char *name, iso_scalar scalar, size_t
     return ISO_OK;
 }
 
+/* The first point; NULL: there are none. */
+static const unsigned char *first_record(las *l) {
+    if (l->blocks.compressed) return iso_laz_first(&l->laz);
+    return l->points && iso_stream_fill(&l->in, l->record) ? l->in.buffer + l->in.place : NULL;
+}
+
 static iso_status add_time(las *l, size_t offset, iso_error *error) {
     ISO_TRY(add_number(l, "gps_time", ISO_SCALAR_DOUBLE, offset, 0, error));
-    if (l->points == 0 || !iso_stream_fill(&l->in, l->record)) return ISO_OK;
-    const double first =
-        floor(iso_scalar_load(l->in.buffer + l->in.place + offset, ISO_SCALAR_DOUBLE, false));
+    const unsigned char *record = first_record(l);
+    if (!record) return ISO_OK;
+    const double first = floor(iso_scalar_load(record + offset, ISO_SCALAR_DOUBLE, false));
     if (!(first > 0 && first < 1e15)) return ISO_OK;
     l->fields[l->field_count - 1].shift = -first;
     iso_reading_note(l->data->reading, "gps_time is counted from %.0f", first);
@@ -183,9 +188,14 @@ static iso_status read_las(las *l, iso_error *error) {
                                 l->begin - number_at(l->header + 94, ISO_SCALAR_UINT16), error));
     ISO_TRY(check_format(l, error));
     take_unit(l);
+    if (l->blocks.compressed)
+        ISO_TRY(iso_laz_open(&l->laz, path_of(l), l->blocks.laszip, l->blocks.laszip_bytes, l->begin,
+                             l->points, l->record, error));
     ISO_TRY(add_fields(l, error));
-    ISO_TRY(
-        iso_polydata_stream_records(l->data, l->fields, l->field_count, &l->in, l->record, l->points, error));
+    ISO_TRY(l->blocks.compressed ? iso_laz_add_points(&l->laz, l->data, l->fields, l->field_count,
+                                                      l->data->reading->opts.pool, error)
+                                 : iso_polydata_stream_records(l->data, l->fields, l->field_count, &l->in,
+                                                               l->record, l->points, error));
     iso_polydata_scale_colors(l->data, false);
     return ISO_OK;
 }
@@ -195,6 +205,7 @@ iso_status iso_polydata_read_las(iso_polydata *data, iso_error *error) {
     if (!l) return iso_fail_memory(error, data->reading->path);
     l->data = data;
     const iso_status status = read_las(l, error);
+    iso_laz_close(&l->laz);
     iso_stream_close(&l->in);
     iso_free(l);
     return status;

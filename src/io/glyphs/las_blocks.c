@@ -133,7 +133,11 @@ static void take_block(iso_las_blocks *blocks, const unsigned char header[HEADER
     memcpy(user, header + 2, 16);
     const uint64_t number = number_at(header + 18, ISO_SCALAR_UINT16);
     blocks->block[bytes] = 0;
-    if (strcmp(user, "laszip encoded") == 0) blocks->compressed = true;
+    if (strcmp(user, "laszip encoded") == 0 && number == 22204) {
+        blocks->compressed = true;
+        blocks->laszip_bytes = bytes < ISO_LAS_LASZIP ? bytes : ISO_LAS_LASZIP;
+        memcpy(blocks->laszip, blocks->block, blocks->laszip_bytes);
+    }
     if (strcmp(user, "LASF_Spec") == 0 && number == 4) take_extras(blocks, bytes);
     if (strcmp(user, "LASF_Projection") == 0 && number == 34735 && blocks->unit == ISO_WORLD_UNIT_NONE)
         blocks->unit = unit_of_keys(blocks->block, bytes);

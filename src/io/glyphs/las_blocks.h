@@ -6,7 +6,12 @@
 
 #include "io/polydata/records.h"
 
-enum { ISO_LAS_BLOCK = UINT16_MAX, ISO_LAS_EXTRA = 192, ISO_LAS_EXTRAS = ISO_LAS_BLOCK / ISO_LAS_EXTRA };
+enum {
+    ISO_LAS_BLOCK = UINT16_MAX,
+    ISO_LAS_EXTRA = 192,
+    ISO_LAS_EXTRAS = ISO_LAS_BLOCK / ISO_LAS_EXTRA,
+    ISO_LAS_LASZIP = 128
+};
 
 /* The numbers of a column: 1 to 3 of one type for each point, or bytes without a known meaning. */
 typedef struct iso_las_extra {
@@ -21,7 +26,10 @@ typedef struct iso_las_extra {
 
 /* Zero-initialise. */
 typedef struct iso_las_blocks {
+    /* How points are compressed; the contents of LASzip's block, or as much of them as are used. */
     bool compressed;
+    unsigned char laszip[ISO_LAS_LASZIP];
+    size_t laszip_bytes;
     iso_world_unit unit; /* of x and y */
     int extra_count;
     iso_las_extra extras[ISO_LAS_EXTRAS];

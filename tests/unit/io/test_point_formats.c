@@ -291,10 +291,11 @@ static void test_las_errors(void **state) {
     iso_glyphs_free(&glyphs);
     made_file bad = file;
     bad.bytes[104] |= 0x80;
-    refuse_made(FILE_LAS, &bad, ISO_ERR_UNSUPPORTED, "LAZ");
-    bad = file;
+    refuse_made(FILE_LAS, &bad, ISO_ERR_FORMAT, "nothing says how its points are compressed (LAZ)");
+    const uint16_t laszip = 22204;
     strcpy((char *)bad.bytes + 227 + 2, "laszip encoded");
-    refuse_made(FILE_LAS, &bad, ISO_ERR_UNSUPPORTED, "LAZ");
+    put(&bad, 227 + 18, &laszip, sizeof laszip);
+    refuse_made(FILE_LAS, &bad, ISO_ERR_IO, "damaged: its block of LASzip");
     bad = file;
     bad.bytes[104] = 11;
     refuse_made(FILE_LAS, &bad, ISO_ERR_UNSUPPORTED, "point format 11");
