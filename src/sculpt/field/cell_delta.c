@@ -6,7 +6,8 @@
 
 #include <string.h>
 
-enum { ROW_BYTES = ISO_BRICK_ROWS / 8, OUTSIDE = 0, INSIDE = 1, DISTANCE = 2 };
+/* PADDING: bytes after the last ones, so that eight can be read at any place. */
+enum { ROW_BYTES = ISO_BRICK_ROWS / 8, PADDING = 8, OUTSIDE = 0, INSIDE = 1, DISTANCE = 2 };
 
 /* The bits of the voxels of a row that differ. */
 static uint16_t find_row(const float *before, const float *after) {
@@ -22,11 +23,12 @@ static void predict_row(const float *brick, int row, float base[ISO_BRICK]) {
     const float *self = brick + row * ISO_BRICK, *below = self - ISO_BRICK, *behind = self - ISO_BRICK_ROWS,
                 *both = behind - ISO_BRICK;
     const bool has_below = row % ISO_BRICK > 0, has_behind = row >= ISO_BRICK;
-    for (int x = 0; x < ISO_BRICK; x++)
-        base[x] = has_below && has_behind ? below[x] + behind[x] - both[x]
-                  : has_below             ? below[x]
-                  : has_behind            ? behind[x]
-                                          : 0;
+    if (has_below && has_behind)
+        for (int x = 0; x < ISO_BRICK; x++) base[x] = below[x] + behind[x] - both[x];
+    else if (has_below || has_behind)
+        memcpy(base, has_below ? below : behind, ISO_BRICK * sizeof *base);
+    else
+        memset(base, 0, ISO_BRICK * sizeof *base);
 }
 
 /* The bits of the prediction of a voxel of a row, in the order of numbers. */
@@ -51,16 +53,29 @@ static float value_of(uint32_t bits) {
     return value;
 }
 
-/* Numbers of four bits, one after the other, are written in this order. */
-static void put_four(uint8_t *bytes, size_t number, unsigned bits) {
-    bytes[number / 2] = (uint8_t)((number % 2 ? bytes[number / 2] : 0u) | bits << 4 * (number % 2));
+/* Eight bytes as a number, the same on every machine; compilers make one instruction of each. */
+static uint64_t get_eight(const uint8_t *bytes) {
+    uint64_t value = 0;
+    for (int i = 0; i < PADDING; i++) value |= (uint64_t)bytes[i] << 8 * i;
+    return value;
 }
-static unsigned get_four(const uint8_t *bytes, size_t number) {
-    return bytes[number / 2] >> 4 * (number % 2) & 15u;
+static void put_eight(uint8_t *bytes, uint64_t value) {
+    for (int i = 0; i < PADDING; i++) bytes[i] = (uint8_t)(value >> 8 * i);
+}
+
+/* Numbers of up to eight times four bits, which begin at the four bits `at`; they are written one after the
+ * other. */
+static void put_fours(uint8_t *bytes, size_t at, uint64_t value) {
+    const uint64_t before = at % 2 ? bytes[at / 2] & 15u : 0;
+    put_eight(bytes + at / 2, value << 4 * (at % 2) | before);
+}
+static uint64_t get_fours(const uint8_t *bytes, size_t at, unsigned steps) {
+    return get_eight(bytes + at / 2) >> 4 * (at % 2) & ((1ull << 4 * steps) - 1);
 }
 
 size_t iso_cell_delta_pack(const float *before, const float *after, float band, uint8_t *bytes) {
-    uint8_t rows[ROW_BYTES] = {0}, codes[ISO_BRICK_VOXELS / 2], values[ISO_BRICK_VOXELS * 4];
+    uint8_t rows[ROW_BYTES] = {0}, codes[ISO_BRICK_VOXELS / 2 + PADDING],
+            values[ISO_BRICK_VOXELS * 4 + PADDING];
     const float inside = -band;
     size_t size = ROW_BYTES, count = 0, fours = 0;
     for (int row = 0; row < ISO_BRICK_ROWS; row++) {
@@ -75,15 +90,15 @@ size_t iso_cell_delta_pack(const float *before, const float *after, float band, 
         for (unsigned left = bits; left; left &= left - 1, count++) {
             const int x = __builtin_ctz(left);
             if (memcmp(b + x, &band, sizeof band) == 0 || memcmp(b + x, &inside, sizeof inside) == 0) {
-                put_four(codes, count, b[x] > 0 ? OUTSIDE : INSIDE);
+                put_fours(codes, count, b[x] > 0 ? OUTSIDE : INSIDE);
                 continue;
             }
             const uint32_t way = bits_of(b[x]) - predict(b, base, x);
-            uint32_t code =
-                way << 1 ^ (way >> 31 ? ~0u : 0u); /* small for small differences of either sign */
-            unsigned steps = 0;
-            for (; code; code >>= 4, steps++) put_four(values, fours++, code & 15);
-            put_four(codes, count, DISTANCE + steps);
+            const uint32_t code = way << 1 ^ (way >> 31 ? ~0u : 0u); /* small for small differences */
+            const unsigned steps = code ? (35 - (unsigned)__builtin_clz(code)) / 4 : 0;
+            put_fours(values, fours, code);
+            put_fours(codes, count, DISTANCE + steps);
+            fours += steps;
         }
     }
     if (!count) return 0;
@@ -91,7 +106,9 @@ size_t iso_cell_delta_pack(const float *before, const float *after, float band, 
     memcpy(bytes + size, codes, (count + 1) / 2);
     size += (count + 1) / 2;
     memcpy(bytes + size, values, (fours + 1) / 2);
-    return size + (fours + 1) / 2;
+    size += (fours + 1) / 2;
+    memset(bytes + size, 0, PADDING);
+    return size + PADDING;
 }
 
 /* The number of rows of a delta, and of its voxels. */
@@ -126,14 +143,13 @@ void iso_cell_delta_apply(const uint8_t *bytes, size_t size, float band, float *
         predict_row(brick, row, base);
         for (unsigned left = bits; left; left &= left - 1, number++) {
             const int x = __builtin_ctz(left);
-            const unsigned code = get_four(codes, number);
+            const unsigned code = (unsigned)get_fours(codes, number, 1);
             if (code < DISTANCE) {
                 out[x] = code == INSIDE ? -band : band;
                 continue;
             }
-            uint32_t way = 0;
-            for (unsigned step = 0; step < code - DISTANCE; step++)
-                way |= get_four(values, fours++) << 4 * step;
+            uint32_t way = (uint32_t)get_fours(values, fours, code - DISTANCE);
+            fours += code - DISTANCE;
             way = way >> 1 ^ (way & 1 ? ~0u : 0u);
             out[x] = value_of(predict(out, base, x) + way);
         }

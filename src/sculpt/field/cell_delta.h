@@ -10,9 +10,10 @@
 
 #include "sculpt/field/mask.h"
 
-/* The largest delta: a bit for each row, its voxels, their codes, and their values. */
+/* The largest delta: a bit for each row, its voxels, their codes, their values, and 8 bytes. */
 enum {
-    ISO_CELL_DELTA_MAX = ISO_BRICK_ROWS / 8 + ISO_BRICK_ROWS * 2 + ISO_BRICK_VOXELS / 2 + ISO_BRICK_VOXELS * 4
+    ISO_CELL_DELTA_MAX =
+        ISO_BRICK_ROWS / 8 + ISO_BRICK_ROWS * 2 + ISO_BRICK_VOXELS / 2 + ISO_BRICK_VOXELS * 4 + 8
 };
 
 /* Writes the delta from `before` to `after` (4096 values each; bits are compared) and returns its size: 0:

@@ -125,7 +125,7 @@ void iso_version_read_item(const iso_versions *v, const iso_cell_version *at, vo
     iso_item_unpack(at->bytes, at->touches, iso_versions_items(v, at->key)->bytes, item);
 }
 
-iso_status iso_versions_restore(iso_versions *v, iso_cell_key key, iso_error *error) {
+iso_status iso_versions_restore_later(iso_versions *v, iso_cell_key key, iso_error *error) {
     const iso_cell_version *at = iso_or_first(v, key, v->after[key]);
     const uint32_t cell = iso_cell_of_key(key);
     int where[3];
@@ -138,13 +138,35 @@ iso_status iso_versions_restore(iso_versions *v, iso_cell_key key, iso_error *er
     } else {
         iso_hgrid_cell_position(v->grid, cell, where);
         if (at->state == 0) {
+            const size_t bytes = v->stale_count * sizeof(iso_stale);
+            ISO_TRY(iso_buffer_reserve(&v->stale, bytes + sizeof(iso_stale), bytes, error));
             ISO_TRY(iso_hgrid_split(v->grid, where[0], where[1], where[2], &brick, error));
-            iso_version_read(v, at, iso_list_made(v), v->held[key], brick);
+            ((iso_stale *)v->stale.data)[v->stale_count++] = (iso_stale){at, v->held[key]};
         } else
             iso_hgrid_coalesce(v->grid, where[0], where[1], where[2], at->state);
     }
     v->held[key] = at->serial;
     return ISO_OK;
+}
+
+static void read_stale(void *context, size_t index, int worker) {
+    const iso_versions *v = context;
+    const iso_stale *stale = (const iso_stale *)v->stale.data + index;
+    const uint32_t cell = iso_cell_of_key(stale->version->key);
+    (void)worker;
+    iso_version_read(v, stale->version, iso_list_made(v), stale->held,
+                     iso_hgrid_brick(v->grid, v->grid->cell[cell]));
+}
+
+void iso_versions_read_stale(iso_versions *v) {
+    iso_parallel_for(v->pool, v->stale_count, read_stale, v);
+    v->stale_count = 0;
+}
+
+iso_status iso_versions_restore(iso_versions *v, iso_cell_key key, iso_error *error) {
+    const iso_status status = iso_versions_restore_later(v, key, error);
+    iso_versions_read_stale(v);
+    return status;
 }
 
 /* ---- what differs */

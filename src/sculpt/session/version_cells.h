@@ -86,6 +86,9 @@ struct iso_versions {
     iso_versions_stats stats;
     float *constant[2]; /* bricks of +band and of -band */
     float *room;        /* a brick */
+    iso_buffer stale;   /* iso_stale: what iso_versions_read_stale is to read */
+    size_t stale_count;
+    iso_pool *pool;
     /* of the stroke that is being drawn: */
     iso_buffer written; /* iso_draft */
     size_t written_count;
@@ -94,6 +97,12 @@ struct iso_versions {
     size_t range_count, read_count;
     struct cast_cache *cache; /* of iso_versions_cast; NULL until it is needed */
 };
+
+/* Distances that a cell of the work grid is to have, and the serial of those that it has. */
+typedef struct iso_stale {
+    const iso_cell_version *version;
+    uint64_t held;
+} iso_stale;
 
 /* What a stroke that is being drawn has written. */
 typedef struct iso_draft {
@@ -145,7 +154,10 @@ void iso_version_read(const iso_versions *v, const iso_cell_version *at, int lis
                       float *brick);
 /* Writes an item. */
 void iso_version_read_item(const iso_versions *v, const iso_cell_version *at, void *item);
-/* Brings a key of the work grid to this place of the new list. ISO_ERR_NOMEM. */
+/* Bring a key of the work grid to this place of the new list; _later_: distances with the next
+ * iso_versions_read_stale, which reads those of all such cells in parallel. ISO_ERR_NOMEM. */
+iso_status iso_versions_restore_later(iso_versions *v, iso_cell_key key, iso_error *error);
+void iso_versions_read_stale(iso_versions *v);
 iso_status iso_versions_restore(iso_versions *v, iso_cell_key key, iso_error *error);
 
 /* ---- what differs */

@@ -161,21 +161,27 @@ static iso_status follow(iso_versions *v, const iso_stroke *stroke,
     return iso_pen_end(&pen, stroke->samples, stroke->count, error);
 }
 
-/* Brings all that a stroke can read to this place of the new list. */
-static iso_status restore_ranges(iso_versions *v, const iso_drawn *d, iso_error *error) {
+static iso_status restore_later(iso_versions *v, const iso_drawn *d, iso_error *error) {
     for (size_t i = 1; i < d->cell_count; i++)
         for (int z = d->cells[i].lo[2]; z <= d->cells[i].hi[2]; z++)
             for (int y = d->cells[i].lo[1]; y <= d->cells[i].hi[1]; y++) {
                 const size_t row = iso_hgrid_cell_index(v->grid, 0, y, z);
                 for (int x = d->cells[i].lo[0]; x <= d->cells[i].hi[0]; x++)
                     for (iso_cell_key part = 0; part < ISO_PARTS; part++)
-                        ISO_TRY(iso_versions_restore(v, (iso_cell_key)(ISO_PARTS * (row + (size_t)x)) + part,
-                                                     error));
+                        ISO_TRY(iso_versions_restore_later(
+                            v, (iso_cell_key)(ISO_PARTS * (row + (size_t)x)) + part, error));
             }
     const bool whole_mask = iso_tool_is_whole_mask(d->brush.tool);
     for (iso_cell_key key = 1 + ISO_ITEM_MASK; whole_mask && key < v->keys; key += ISO_PARTS)
-        ISO_TRY(iso_versions_restore(v, key, error));
+        ISO_TRY(iso_versions_restore_later(v, key, error));
     return ISO_OK;
+}
+
+/* Brings all that a stroke can read to this place of the new list. */
+static iso_status restore_ranges(iso_versions *v, const iso_drawn *d, iso_error *error) {
+    const iso_status status = restore_later(v, d, error);
+    iso_versions_read_stale(v);
+    return status;
 }
 
 /* Keeps what the touches have made of the distances. */

@@ -38,6 +38,7 @@ void iso_versions_destroy(iso_versions *v) {
     for (int i = 0; i < 2; i++) iso_free(v->constant[i]);
     iso_free(v->room);
     iso_buffer_free(&v->spare);
+    iso_buffer_free(&v->stale);
     iso_buffer_free(&v->written);
     iso_buffer_free(&v->packed);
     iso_buffer_free(&v->ranges);
@@ -81,6 +82,7 @@ iso_status iso_versions_create(iso_hgrid *first, const iso_cell_items *paint, si
     v->store.limit = memory;
     v->check = check;
     v->context = context;
+    v->pool = pool;
     iso_status status = set_up(v, paint, pool, error);
     if (status == ISO_OK)
         *versions = v;
@@ -173,7 +175,8 @@ static void apply(iso_versions *v, iso_drawn *d, bool in_old, bool in_new) {
     for (size_t i = 0; i < d->count; i++) {
         iso_cell_version *at = &d->versions[i];
         if (in_new) {
-            at->before[made] = v->after[at->key];
+            const iso_cell_version *before = v->after[at->key];
+            if (at->before[made] != before) at->before[made] = before; /* (mostly it is; memory is slow) */
             v->after[at->key] = at;
         }
         if (in_old) v->before[at->key] = at;
