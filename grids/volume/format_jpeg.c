@@ -1,6 +1,6 @@
 /* format_jpeg: reads a folder of JPEG files, a slice each (grids/volume/image_stack.h): greys, and colours as
- * components. Their density is ignored, because cameras and programs state 72 dots an inch of anything, and so
- * is how a camera was held. */
+ * components. Their density is ignored, because cameras and programs state 72 dots an inch of anything, and
+ * so is how a camera was held. */
 #include "base/jpeg_reader.h"
 #include "grids/volume/image_stack.h"
 

@@ -9,9 +9,9 @@ typedef struct turned {
     iso_image *image;
 } turned;
 
-/* Exif 2.3, section 4.6.4 A, names the sides of the picture that the first row and the first column of the file
- * are: 1 top and left, 2 top and right, 3 bottom and right, 4 bottom and left, 5 left and top, 6 right and top, 7
- * right and bottom, 8 left and bottom. */
+/* Exif 2.3, section 4.6.4 A, names the sides of the picture that the first row and the first column of the
+ * file are: 1 top and left, 2 top and right, 3 bottom and right, 4 bottom and left, 5 left and top, 6 right
+ * and top, 7 right and bottom, 8 left and bottom. */
 static void take_row(void *context, uint32_t row, const uint8_t *pixels) {
     const turned *t = context;
     const int samples = t->header.samples, exif = t->header.orientation, rows = (int)t->header.height,
