@@ -506,7 +506,7 @@ ISO_API iso_status iso_image_write(const iso_image *image, const char *path, iso
 /* The bytes of that file, in memory: free them with iso_bytes_free (NULL is allowed). */
 ISO_API iso_status iso_image_encode(const iso_image *image, uint8_t **bytes, size_t *size, iso_error *error);
 ISO_API void iso_bytes_free(uint8_t *bytes);
-/* Reads any PNG. Gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT. */
+/* Reads a PNG or JPEG; profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT, ISO_ERR_BACKEND (libjpeg). */
 ISO_API iso_status iso_image_read(const char *path, iso_image *image, iso_error *error);
 
 /* The contents of a picture as numbers ("arbitrary output variables"): planes of width * height floats, row 0

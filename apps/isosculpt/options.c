@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "apps/isosculpt/document.h"
 #include "apps/isosculpt/isosculpt.h"
@@ -188,7 +189,7 @@ static const iso_option options[] = {
     {"reference", NULL, "FILE",
      "show this with the sculpture instead: lines ({lines}), glyphs ({glyphs}) or a surface (a level set or "
      "a mesh, translucent); in a window or with --draw; R and --x-ray as above. In a window also a picture "
-     "behind the sculpture, FILE.png,AXIS,HEIGHT: face.png,y,120 is 120 mm high and faces the front",
+     "behind the sculpture, a .png or .jpg: face.jpg,y,120 is 120 mm high and faces the front",
      .group = RUNNING, .kind = ISO_OPTION_TEXTS, AT(references)},
     {"space", NULL, "NAME",
      "the axes of --reference: ras (to the right, to the front, up), lps or file (as it says; lps when it "
@@ -279,29 +280,38 @@ static iso_status check_opened(const isosculpt_settings *settings, iso_error *er
     return ISO_OK;
 }
 
+/* Where the name of a picture's file ends in FILE.png,AXIS,HEIGHT; NULL: it names no picture. */
+static const char *end_of_picture(const char *text) {
+    static const char *const endings[] = {".png,", ".jpg,", ".jpeg,"};
+    for (const char *at = text; *at; at++)
+        for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+            if (strncasecmp(at, endings[i], strlen(endings[i])) == 0) return at + strlen(endings[i]) - 1;
+    return NULL;
+}
+
 /* Takes the reference picture, FILE.png,AXIS,HEIGHT, out of the files of the reference. */
 static iso_status take_picture(isosculpt_settings *settings, iso_error *error) {
     iso_texts *files = &settings->references;
     isosculpt_picture_request *picture = &settings->picture;
     int kept = 0;
     for (int i = 0; i < files->count; i++) {
-        const char *text = files->values[i], *at = strstr(text, ".png,");
+        const char *text = files->values[i], *end = end_of_picture(text);
         int used = 0;
-        if (!at) {
+        if (!end) {
             files->values[kept++] = text;
             continue;
         }
-        const size_t length = (size_t)(at - text) + 4;
+        const size_t length = (size_t)(end - text);
         if (settings->headless)
             return iso_fail(error, ISO_ERR_USAGE, "--reference %s: reference pictures are for a window",
                             text);
         if (picture->path[0] || length >= sizeof picture->path)
             return iso_fail(error, ISO_ERR_USAGE, "--reference %s: %s", text,
                             picture->path[0] ? "one reference picture at a time" : "the path is too long");
-        if (sscanf(at + 5, "%c,%lf%n", &picture->axis, &picture->height, &used) != 2 || at[5 + used] ||
+        if (sscanf(end + 1, "%c,%lf%n", &picture->axis, &picture->height, &used) != 2 || end[1 + used] ||
             picture->axis < 'x' || picture->axis > 'z' || !(picture->height > 0 && picture->height < 1e9))
             return iso_fail(error, ISO_ERR_USAGE,
-                            "--reference %s: a picture is FILE.png,AXIS,HEIGHT: face.png,y,120 stands across "
+                            "--reference %s: a picture is FILE,AXIS,HEIGHT: face.jpg,y,120 stands across "
                             "the axis y and is 120 mm high",
                             text);
         memcpy(picture->path, text, length);

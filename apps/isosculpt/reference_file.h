@@ -8,6 +8,12 @@
 
 enum { ISOSCULPT_REFERENCE_NOTES = 8, ISOSCULPT_REFERENCE_NOTE = 1024 };
 
+/* The colour of the label that a session sculpts, in its segmentation. */
+typedef struct isosculpt_sculpted_label {
+    bool known;
+    iso_rgb color;
+} isosculpt_sculpted_label;
+
 /* The settings are borrowed: references, space, close_holes, threads and input.max_memory count. */
 typedef struct isosculpt_reference_files {
     const isosculpt_settings *settings;
@@ -18,6 +24,7 @@ typedef struct isosculpt_reference_files {
     /* Result: notes for the user, one line each. */
     char notes[ISOSCULPT_REFERENCE_NOTES][ISOSCULPT_REFERENCE_NOTE];
     int note_count;
+    isosculpt_sculpted_label sculpted; /* and, with `labels`, this */
 } isosculpt_reference_files;
 
 /* Reads all files. .tck, .trk and .swc contain lines; .xyz, .pdb and .csv glyphs; .vtk and .vtp lines or, if

@@ -33,7 +33,8 @@ static iso_status run_job(void *context, const iso_progress *progress, iso_error
     const isosculpt_settings *settings = job->files.settings;
     if (!settings->references.count && job->files.labels)
         return isosculpt_other_labels_make(&job->start, job->journal, settings->common.input.max_memory,
-                                           settings->common.threads, progress, &job->reference, error);
+                                           settings->common.threads, progress, &job->files.sculpted,
+                                           &job->reference, error);
     if (!settings->references.count) return make_first_field(job, progress, error);
     job->files.progress = progress;
     return isosculpt_reference_read(&job->files, &job->reference, error);

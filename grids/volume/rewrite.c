@@ -9,17 +9,23 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "grids/volume/dicom/rewrite_bits.h"
 #include "grids/volume/module.h"
 
 enum { BLOCK = 1 << 16 };
 
 /* ---- what can be written again */
 
+static bool is_dicom(const iso_volume_info *info) {
+    return strcmp(info->format, iso_format_dicom.name) == 0;
+}
+
 static iso_status find_place(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                              iso_format_place *place, iso_error *error) {
     iso_volume_opts asked = *opts;
     asked.mappable = NULL;
     ISO_TRY(iso_volume_find_place(path, &asked, info, place, error));
+    if (is_dicom(info)) return iso_dicom_rewrite_check(path, error);
     const bool scaled = info->scale != 1 || info->offset != 0 ||
                         (!place->known && iso_scalar_stored_type(place->scalar) != info->type);
     if ((place->known || place->told || place->by_module) && !place->text && !place->bits &&
@@ -27,7 +33,7 @@ static iso_status find_place(const char *path, const iso_volume_opts *opts, iso_
         return ISO_OK;
     return iso_fail(error, ISO_ERR_USAGE,
                     "%s: %s: voxels go back into .nii, .nii.gz, .nrrd, .mha, .mgh, .mgz, .mif and .npy that "
-                    "have them as they are or (not .mha) compressed by gzip, and into .tif",
+                    "have them as they are or (not .mha) compressed by gzip, into .tif, and into DICOM SEG",
                     path,
                     scaled           ? "its values are scaled (scl_slope, scl_inter)"
                     : place->file[0] ? "its voxels are in another file"
@@ -248,6 +254,7 @@ iso_status iso_volume_rewrite(const char *path, const iso_volume_opts *opts, iso
     iso_volume_info info;
     iso_format_place place;
     ISO_TRY(find_place(path, opts, &info, &place, error));
+    if (is_dicom(&info)) return iso_dicom_rewrite(path, row, context, stream, progress, error);
     const bool single = place.separate || place.by_module; /* a row holds no other components */
     const size_t size = iso_scalar_size(place.scalar), count = (size_t)info.dims[0],
                  step = size * (single ? 1 : (size_t)info.components);

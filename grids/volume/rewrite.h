@@ -10,8 +10,8 @@
 
 /* Checks whether a volume can be written again, and fills *info from its header, as iso_volume_read_info.
  * Formats whose voxels lie in one piece in one file can: .nii, .nrrd, .mha, .mgz and others, also compressed
- * by gzip, and .tif of any lossless compression; with values that are not scaled. ISO_ERR_USAGE names the
- * reason. */
+ * by gzip, and .tif of any lossless compression, with values that are not scaled; and binary DICOM
+ * segmentations (dicom/rewrite_bits.h). ISO_ERR_USAGE names the reason. */
 iso_status iso_volume_rewrite_check(const char *path, const iso_volume_opts *opts, iso_volume_info *info,
                                     iso_error *error);
 

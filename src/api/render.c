@@ -11,6 +11,7 @@
 #include "image/camera.h"
 #include "image/exr.h"
 #include "image/image.h"
+#include "image/image_file.h"
 #include "io/glyphs/placements_read.h"
 #include "render/picture.h"
 #include "scene/bounds.h"
@@ -649,7 +650,7 @@ void iso_bytes_free(uint8_t *bytes) {
 
 iso_status iso_image_read(const char *path, iso_image *image, iso_error *error) {
     ISO_TRY(iso_api_check_path(path, error));
-    return iso_png_read(path, image, error);
+    return iso_image_file_read(path, image, error);
 }
 
 iso_status iso_aov_write(const iso_aov *aov, const char *path, iso_error *error) {

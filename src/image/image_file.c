@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/decimal_point.h"
+#include "base/file.h"
 #include "base/file_types.h"
 #include "image/drawing_write.h"
 
@@ -16,6 +17,16 @@ iso_image_kind iso_image_kind_of(const char *path) {
         break;
     }
     return ISO_IMAGE_UNKNOWN;
+}
+
+iso_status iso_image_file_read(const char *path, iso_image *image, iso_error *error) {
+    uint8_t first[3] = {0};
+    FILE *stream;
+    ISO_TRY(iso_file_open(path, &stream, NULL, error));
+    const bool whole = fread(first, 1, sizeof first, stream) == sizeof first;
+    fclose(stream);
+    return whole && memcmp(first, "\xff\xd8\xff", sizeof first) == 0 ? iso_jpeg_read(path, image, error)
+                                                                     : iso_png_read(path, image, error);
 }
 
 iso_status iso_image_file_check(const char *path, iso_error *error) {

@@ -36,12 +36,19 @@ bool iso_image_is_sheet(const char *path);
 iso_status iso_image_file_write_drawing(const char *path, iso_image *image, const iso_drawing *drawing,
                                         const iso_png_opts *opts, iso_error *error);
 
+/* Reads a PNG or a JPEG, whichever its first bytes say, as 8-bit RGBA: a JPEG as the camera was held (Exif).
+ * Gamma and colour profiles are ignored. ISO_ERR_IO, ISO_ERR_FORMAT (also for sides beyond ISO_IMAGE_MAX),
+ * ISO_ERR_BACKEND, ISO_ERR_NOMEM. */
+iso_status iso_image_file_read(const char *path, iso_image *image, iso_error *error);
+
 /* Reads the first text that is not compressed and has this key (a tEXt or iTXt chunk, as iso_png_write writes
  * them); *text is the caller's: free(). ISO_ERR_IO; ISO_ERR_FORMAT: the file is no PNG, is damaged before the
  * text, or has no text of that key; ISO_ERR_NOMEM. */
 iso_status iso_png_read_text(const char *path, const char *key, char **text, iso_error *error);
 
-/* ---- the writers: iso_image_file_write calls them */
+/* ---- the readers and writers that these call; ISO_ERR_USAGE: a side beyond ISO_IMAGE_MAX */
+
+iso_status iso_jpeg_read(const char *path, iso_image *image, iso_error *error);
 
 iso_status iso_tiff_write(const char *path, const iso_image *image, const iso_png_opts *opts,
                           iso_error *error);

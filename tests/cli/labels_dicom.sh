@@ -142,3 +142,58 @@ over = {r["label"]: int(r["voxels"]) for r in csv.DictReader(open("over.csv"))}
 before = {r["label"]: int(r["voxels"]) for r in csv.DictReader(open("named.csv"))}
 expect(over == {"3": before["3"] - 3, "7": before["7"] - 3, "12": before["12"], "20": 5, "21": 1}, over, before)
 P
+# A label of a binary segmentation is sculpted and goes back into a copy of its file, as into the same labels in .nrrd: bits of its
+# frames, and of those of the segment that it takes voxels from, change; without strokes, none.
+isosculpt --open in/binary.dcm --label 7 --headless --output same.dcm --quiet && cmp in/binary.dcm same.dcm || exit 1
+isosculpt --open in/over.dcm --label 20 --headless --output same.dcm --quiet && cmp in/over.dcm same.dcm || exit 1
+cat >in/strokes_of.py <<'P'
+import sys; sys.path.insert(0, "in")
+from strokes import *
+def stroke(tool, at, radius): return [begin({"at": at}, tool=tool, radius=radius), {"event": "end"}]
+inside = stroke("add", [41, 11, 15], 4.0) + stroke("add", [27, 11, 15], 3.5) + stroke("carve", [34, 16, 15], 3.0)
+write("in/inside.strokes", inside)
+write("in/above.strokes", stroke("add", [34, 11, 26], 4.0))
+P
+python3 in/strokes_of.py || exit 1
+play() { isosculpt --open "in/$1" --label 7 --replay "in/$2.strokes" --headless --output "$3" --json="$3.json" --quiet; }
+for name in binary implicit sparse; do play $name.dcm inside $name.dcm || exit 1; done
+play same.seg.nrrd inside same.seg.nrrd || exit 1
+python3 - <<'P' || exit 1
+import json, sys; sys.path.insert(0, "in")
+from make import *
+def labels_of(path, before, frames):
+    a, b = open(before, "rb").read(), open(path, "rb").read()
+    bits = len(frames) * N * ROWS
+    tail = (bits + 7) // 8 + ((bits + 7) // 8) % 2
+    assert len(a) == len(b) and a[:-tail] == b[:-tail], path
+    got, data = [[0] * (N * ROWS) for _ in range(SLICES)], b[-tail:]
+    for f, (z, segment) in enumerate(frames):
+        for i in range(N * ROWS):
+            bit = f * N * ROWS + i
+            if data[bit // 8] >> bit % 8 & 1:
+                assert got[z][i] == 0, (path, z, i) # no voxel is in two segments
+                got[z][i] = segment
+    return got
+size = SLICES * N * ROWS
+whole = open("same.seg.nrrd", "rb").read()[-size:]
+expected = [list(whole[z * N * ROWS:(z + 1) * N * ROWS]) for z in range(SLICES)]
+reports = [json.load(open(name + ".json"))["label"] for name in ("same.seg.nrrd", "binary.dcm", "implicit.dcm")]
+assert reports[0]["added"] > 40 and reports[0]["removed"] > 10 and reports[0]["taken_from"]["3"] > 5, reports[0]
+assert all(r == reports[0] for r in reports), reports
+for name in "binary", "implicit":
+    assert labels_of(name + ".dcm", "in/%s.dcm" % name, full) == expected, name
+# (slices without frames are no part of the volume at its ends, so that its solid ends elsewhere)
+report, taken, added, removed = json.load(open("sparse.dcm.json"))["label"], {}, 0, 0
+now = labels_of("sparse.dcm", "in/sparse.dcm", some)
+for was, is_ in zip(sum(LABELS, []), sum(now, [])):
+    added += is_ != was and is_ == 7
+    removed += was == 7 and is_ == 0
+    if is_ != was and is_ == 7: taken[str(was)] = taken.get(str(was), 0) + 1
+assert report == {"value": 7, "added": added, "removed": removed, "taken_from": taken} and added > 40, report
+P
+isorender --labels binary.dcm a.png --table a.csv --quiet && isorender --labels same.seg.nrrd b.png --table b.csv --quiet && cmp a.csv b.csv || exit 1
+# what has no frame to go to, or is no file of bits, is refused, and leaves no file
+refuses 2 "in/sparse.dcm: segment 7 has no frame in slice" play sparse.dcm above bad.dcm || exit 1
+refuses 2 "its type is not BINARY" play map.dcm inside bad.dcm || exit 1
+refuses 2 "its type is not BINARY" play fraction.dcm inside bad.dcm || exit 1
+[ ! -e bad.dcm ] || exit 1

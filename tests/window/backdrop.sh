@@ -64,6 +64,17 @@ sed -i 's/^[0-9a-f]\{8\} y/00000000 y/' again.strokes.picture
 start again.strokes
 until_ "what has changed" says "The reference picture has changed since: "
 stop
+# a photograph: a JPEG, by an ending in capitals
+if "$bin/isorender" again.strokes photo.jpg --quiet --background "#c00000" --resolution 40x30 2>said; then
+    mv photo.jpg photo.JPG
+    start --reference photo.JPG,y,120
+    key shift+1
+    photo() { picture photo && shows photo 134 18 20 0,200,150,400; }
+    until_ "the photograph" photo
+    stop
+else
+    grep -q "built without libjpeg" said || fail "$(cat said)"
+fi
 rm face.png
 start again.strokes
 until_ "what is missing" says "No reference picture: "

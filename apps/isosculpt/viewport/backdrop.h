@@ -22,8 +22,8 @@ typedef struct isosculpt_backdrop {
     iso_vec3 centre; /* world, mm */
 } isosculpt_backdrop;
 
-/* Reads the picture of a PNG file; the other members stay as they are. Errors: those of iso_image_read; then
- * there is none. */
+/* Reads the picture of a PNG or JPEG file; the other members stay as they are. Errors: those of
+ * iso_image_read; then there is none. */
 iso_status isosculpt_backdrop_read(isosculpt_backdrop *backdrop, const char *path, iso_error *error);
 void isosculpt_backdrop_free(isosculpt_backdrop *backdrop);
 

@@ -39,7 +39,9 @@ static void finish(window *w) {
     isosculpt_reference *reference;
     isosculpt_reference_files files;
     iso_status status = isosculpt_reference_job_finish(w->reference_job, &reference, &files, &reason);
+    iso_rgb *color = &w->viewport.mode.material.color;
     w->reference_job = NULL;
+    if (files.sculpted.known && iso_rgb_equal(*color, ISOSCULPT_SURFACE_COLOR)) *color = files.sculpted.color;
     for (int i = 0; status == ISO_OK && i < files.note_count; i++) {
         iso_program_log(isosculpt_program(), "note: %s", files.notes[i]);
         isosculpt_window_set_status(w, false, files.notes[i]);

@@ -10,7 +10,6 @@
 #include "sculpt/edit/editor.h"
 #include "sculpt/edit/mask_rewrite.h"
 #include "sculpt/edit/transaction.h"
-#include "sculpt/field/crease.h"
 #include "sculpt/limits.h"
 
 /* Redistancing steps (0.45 voxel each) of an edit that left gaps in the band: enough to fill the whole band.
@@ -314,7 +313,7 @@ static iso_status notify_paint_observer(iso_editor *editor, iso_error *error) {
     return ISO_OK;
 }
 
-static iso_status commit_changes(iso_editor *editor, iso_edit_stats *stats, iso_error *error) {
+iso_status iso_editor_commit(iso_editor *editor, iso_edit_stats *stats, iso_error *error) {
     iso_transaction *transaction = &editor->transaction;
     iso_painter *painter = &editor->painter;
     bool any, painted = false;
@@ -362,7 +361,7 @@ static iso_status touch_field(iso_editor *editor, const iso_dabs *dabs, iso_edit
         ISO_TRY(iso_transaction_redistance(
             transaction, transaction->band_damaged ? DAMAGED_BAND_ITERATIONS : editor->iterations,
             blends || !iso_tool_is_set_operation(dabs->tool), error));
-    return commit_changes(editor, stats, error);
+    return iso_editor_commit(editor, stats, error);
 }
 
 static iso_status touch_paint(iso_editor *editor, const iso_dabs *dabs, iso_edit_stats *stats,
@@ -372,7 +371,7 @@ static iso_status touch_paint(iso_editor *editor, const iso_dabs *dabs, iso_edit
     ISO_TRY(list_cells(editor, dabs, &stats->clipped, error));
     ISO_TRY(iso_painter_list(painter, error));
     editor->cost += cost_of_cells(editor, dabs);
-    ISO_TRY(commit_changes(editor, stats, error));
+    ISO_TRY(iso_editor_commit(editor, stats, error));
     for (size_t i = 0; i < painter->cell_count; i++) stats->edited += iso_painter_cell(painter, i)->differs;
     return ISO_OK;
 }
@@ -610,25 +609,51 @@ static iso_status trim(iso_editor *editor, const iso_brush *brush, const iso_tou
     return status;
 }
 
+/* Computes the box of the voxels that a dab of a touch can read or write: `influence`, and around it what
+ * redistancing changes (ISO_TRANSACTION_SPREAD) and reads; along x, whose rows are redistanced whole, it ends
+ * with cells. A drag follows voxels back in steps of at most an eighth of the radius. */
+static void reach_of_dab(const iso_editor *editor, const iso_dabs *dabs, const iso_dab *dab, int lo[3],
+                         int hi[3]) {
+    enum { READ = 3 };
+    const bool segment = iso_tool_is_drag(dabs->tool) || dabs->solid == ISO_SOLID_CAPSULE;
+    const double influence = iso_dabs_influence(dabs) + ISO_TRANSACTION_SPREAD +
+                             (iso_tool_is_warp(dabs->tool) ? 0.25 * (double)dabs->radius_voxels + 2 : 0);
+    for (int axis = 0; axis < 3; axis++) {
+        const double a = dab->centre[axis], b = segment ? dab->from[axis] : a,
+                     top = editor->transaction.grid->dims[axis] - 1;
+        lo[axis] = (int)floor(fmax(fmin(fmin(a, b) - influence, top), 0));
+        hi[axis] = (int)ceil(fmax(fmin(fmax(a, b) + influence, top), 0));
+        if (axis == 0) {
+            lo[0] -= lo[0] % ISO_BRICK;
+            hi[0] += ISO_BRICK - 1 - hi[0] % ISO_BRICK;
+        }
+        lo[axis] = lo[axis] > READ ? lo[axis] - READ : 0;
+        hi[axis] = hi[axis] + READ < (int)top ? hi[axis] + READ : (int)top;
+    }
+}
+
 int iso_editor_ranges(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
-                      iso_cell_box ranges[ISO_EDITOR_RANGES]) {
+                      iso_editor_range ranges[ISO_EDITOR_RANGES]) {
     enum { RINGS = 2 };
     iso_dabs dabs;
     if (iso_tool_is_trim(brush->tool)) {
         for (int axis = 0; axis < 3; axis++) {
-            ranges[0].lo[axis] = 0;
-            ranges[0].hi[axis] = editor->transaction.grid->cells[axis] - 1;
+            ranges[0].cells.lo[axis] = ranges[0].voxels.lo[axis] = 0;
+            ranges[0].cells.hi[axis] = editor->transaction.grid->cells[axis] - 1;
+            ranges[0].voxels.hi[axis] = editor->transaction.grid->dims[axis] - 1;
         }
         return 1;
     }
     make_dabs(editor, brush, touch, &dabs);
     for (int i = 0; i < dabs.count; i++) {
-        cell_range(editor, &dabs, &dabs.dab[i], ranges[i].lo, ranges[i].hi);
+        iso_index_box *cells = &ranges[i].cells;
+        cell_range(editor, &dabs, &dabs.dab[i], cells->lo, cells->hi);
         for (int axis = 0; axis < 3; axis++) {
             const int last = editor->transaction.grid->cells[axis] - 1;
-            ranges[i].lo[axis] = ranges[i].lo[axis] > RINGS ? ranges[i].lo[axis] - RINGS : 0;
-            ranges[i].hi[axis] = ranges[i].hi[axis] + RINGS < last ? ranges[i].hi[axis] + RINGS : last;
+            cells->lo[axis] = cells->lo[axis] > RINGS ? cells->lo[axis] - RINGS : 0;
+            cells->hi[axis] = cells->hi[axis] + RINGS < last ? cells->hi[axis] + RINGS : last;
         }
+        reach_of_dab(editor, &dabs, &dabs.dab[i], ranges[i].voxels.lo, ranges[i].voxels.hi);
     }
     return dabs.count;
 }
@@ -665,78 +690,6 @@ double iso_editor_cost(const iso_editor *editor) {
     return editor->cost;
 }
 
-/* Fills the window around a cell from which creases are corrected. Away from the grid's border its rows are
- * parts of the rows of three cells. */
-static bool fill_crease_window(const iso_editor *editor, const int at[3], iso_field_window *window,
-                               iso_buffer *buffer) {
-    enum { M = ISO_CREASE_MARGIN, SIDE = ISO_CREASE_SIDE };
-    const iso_hgrid *grid = editor->transaction.grid;
-    const float *cells[3][3][3];
-    for (int axis = 0; axis < 3; axis++)
-        if (at[axis] == 0 || at[axis] == grid->cells[axis] - 1)
-            return iso_editor_fill_window(editor, ISO_TOOL_ADD, at, window, buffer);
-    if (iso_buffer_reserve(buffer, SIDE * SIDE * SIDE * sizeof(float), 0, NULL) != ISO_OK) return false;
-    for (int i = 0; i < 27; i++) {
-        const size_t cell =
-            iso_hgrid_cell_index(grid, at[0] + i % 3 - 1, at[1] + i / 3 % 3 - 1, at[2] + i / 9 - 1);
-        cells[i / 9][i / 3 % 3][i % 3] = iso_transaction_grid_values(&editor->transaction, grid->cell[cell]);
-    }
-    float *out = buffer->data;
-    window->values = out;
-    for (int i = 0; i < SIDE * SIDE; i++, out += SIDE) {
-        const int y = i % SIDE - M + ISO_BRICK, z = i / SIDE - M + ISO_BRICK;
-        const float *const *row = cells[z / ISO_BRICK][y / ISO_BRICK];
-        const int from = z % ISO_BRICK * ISO_BRICK_ROWS + y % ISO_BRICK * ISO_BRICK;
-        memcpy(out, row[0] + from + ISO_BRICK - M, M * sizeof *out);
-        memcpy(out + M, row[1] + from, ISO_BRICK * sizeof *out);
-        memcpy(out + M + ISO_BRICK, row[2] + from, M * sizeof *out);
-    }
-    return true;
-}
-
-static void correct_creases(void *context, size_t index, int worker) {
-    iso_editor *editor = context;
-    iso_transaction *transaction = &editor->transaction;
-    iso_edit_cell *edit_cell = iso_transaction_cell(transaction, index);
-    iso_worker_scratch *scratch = &transaction->workers[worker];
-    enum { M = ISO_CREASE_MARGIN, SIDE = ISO_CREASE_SIDE };
-    iso_field_window window = {.lo = {-M, -M, -M}, .size = {SIDE, SIDE, SIDE}};
-    scratch->failed |= !fill_crease_window(editor, edit_cell->at, &window, &scratch->window);
-    if (scratch->failed) return;
-    bool any;
-    scratch->failed = iso_crease_correct(window.values, transaction->grid->band, &scratch->edge_points,
-                                         iso_transaction_scratch_brick(transaction, worker), &any) != ISO_OK;
-    if (scratch->failed) return;
-    edit_cell->edited = any;
-    if (any) iso_transaction_accept_scratch(transaction, index, worker);
-}
-
-static iso_status finalize_cells(iso_editor *editor, iso_error *error) {
-    iso_transaction *transaction = &editor->transaction;
-    bool any;
-    const uint32_t *notified = editor->notified_cells.data;
-    for (size_t i = 0; i < editor->notified_count; i++) {
-        int at[3];
-        if (transaction->grid->cell[notified[i]] < 0) continue; /* distances at the band's end stay there */
-        iso_hgrid_cell_position(transaction->grid, notified[i], at);
-        ISO_TRY(iso_transaction_add(transaction, at, true, error));
-    }
-    ISO_TRY(iso_transaction_reserve(transaction, error));
-    iso_parallel_for(transaction->pool, transaction->cell_count, correct_creases, editor);
-    if (iso_transaction_failed(transaction))
-        return iso_fail(error, ISO_ERR_NOMEM, "out of memory for a stroke's end");
-    editor->cost += 4 * (double)transaction->cell_count;
-    ISO_TRY(iso_transaction_end_brush(transaction, false, &any, error));
-    iso_edit_stats stats = {0};
-    return any ? commit_changes(editor, &stats, error) : ISO_OK;
-}
-
-iso_status iso_editor_finalize(iso_editor *editor, iso_error *error) {
-    iso_status status = finalize_cells(editor, error);
-    iso_transaction_clear(&editor->transaction);
-    return status;
-}
-
 /* Marks every voxel that is not frozen as changed. */
 static void change_all(const iso_transaction *transaction, iso_edit_cell *edit_cell) {
     const iso_voxel_bits *masked = iso_mask_bits(iso_transaction_mask(transaction), edit_cell->cell);
@@ -760,7 +713,7 @@ iso_status iso_editor_redistance(iso_editor *editor, int iterations, const iso_p
     transaction->progress = progress;
     if (status == ISO_OK) status = iso_transaction_redistance(transaction, iterations, true, error);
     iso_edit_stats stats = {0};
-    if (status == ISO_OK) status = commit_changes(editor, &stats, error);
+    if (status == ISO_OK) status = iso_editor_commit(editor, &stats, error);
     iso_transaction_clear(transaction);
     return status;
 }

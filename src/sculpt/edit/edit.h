@@ -65,17 +65,25 @@ void iso_editor_begin_step(iso_editor *editor, const iso_step_opts *opts);
 iso_status iso_editor_touch(iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
                             iso_edit_stats *stats, iso_error *error);
 
-/* Boxes of cells, first and last along each axis: one for each image of a touch. */
-enum { ISO_EDITOR_RANGES = ISO_IMAGES_MOST };
-typedef struct iso_cell_box {
+/* A box of cells or voxels: the first and the last along each axis. */
+typedef struct iso_index_box {
     int lo[3], hi[3];
-} iso_cell_box;
-/* Finds all cells that the touch and the end of its stroke can read or write, in this grid: those of the
- * brush's influence and two more around them (a touch lists neighbours of the cells that it edits, and reads
- * the neighbours of those). Returns the number of ranges. CLEAR_MASK to MASK_VOXELS also read and write the
- * mask of every cell. */
+} iso_index_box;
+/* What an image of a touch can read or write. */
+typedef struct iso_editor_range {
+    iso_index_box
+        cells; /* those of the brush's influence and two more around them: the touch lists neighbours of
+                       the cells that it edits, and the neighbours of those tell whether these become empty */
+    iso_index_box
+        voxels; /* those whose distances the touch reads to compute distances; not their sides of the
+                       surface, nor what the end of the stroke corrects */
+} iso_editor_range;
+enum { ISO_EDITOR_RANGES = ISO_IMAGES_MOST };
+/* Finds all that the touch and the end of its stroke can read or write, in this grid. Returns the number of
+ * ranges. CLEAR_MASK to MASK_VOXELS also read and write the mask of every cell; where voxels are frozen, or
+ * several dabs drag, a touch reads more voxels than `voxels`, but not more cells. */
 int iso_editor_ranges(const iso_editor *editor, const iso_brush *brush, const iso_touch *touch,
-                      iso_cell_box ranges[ISO_EDITOR_RANGES]);
+                      iso_editor_range ranges[ISO_EDITOR_RANGES]);
 
 /* Returns the cost of all touches and finalizations so far, images included. The unit is the editing
  * of one cell with a plain brush (about 10 microseconds). The same on every machine. */
@@ -85,6 +93,12 @@ double iso_editor_cost(const iso_editor *editor);
  * (crease.h), which touches leave up to a third of a voxel too small. The zero set does not move. Fails as
  * iso_editor_touch does. */
 iso_status iso_editor_finalize(iso_editor *editor, iso_error *error);
+
+/* Computes what iso_editor_finalize would make of some cells, each alone and with nothing frozen, without
+ * writing them: bricks: room for `count` bricks, any: for `count` flags: whether the cell's was written (it
+ * stays as it is otherwise). ISO_ERR_NOMEM. */
+iso_status iso_editor_correct(iso_editor *editor, const uint32_t *cells, size_t count, float *bricks,
+                              bool *any, iso_error *error);
 
 /* Recomputes the distances of the whole narrow band, for imported fields. ISO_ERR_IO: cancelled through
  * `progress`, the field is unchanged; ISO_ERR_NOMEM. */

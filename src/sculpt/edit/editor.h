@@ -22,6 +22,9 @@ struct iso_editor {
     size_t painted_count;
 };
 
+/* Writes what a touch, or a stroke's end, has made to the grid, after the observer was told. */
+iso_status iso_editor_commit(iso_editor *editor, iso_edit_stats *stats, iso_error *error);
+
 /* Copies to `buffer` the box of the field that `window` has the size of, and sets window->values. For MOVE it
  * is the field from when the step began. Beyond the grid its outermost voxels are repeated. False: there is
  * no memory. */

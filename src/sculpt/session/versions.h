@@ -1,12 +1,12 @@
-/* versions: what each stroke of a list made of the cells that it wrote, so that an edit of a past
- * stroke draws only the strokes again that can come out differently.
+/* versions: what each stroke of a list made of the cells that it wrote, so that an edit of a past stroke
+ * draws only the strokes again that can come out differently.
  *
- * The versions of a cell are its contents after each stroke that wrote it, packed without loss. An
- * update walks the new list beside the old one and keeps the set of dirty cells, whose content is not
- * what it was at this place of the old list. A stroke that reads no dirty cell keeps its versions;
- * another one is drawn again on a work grid, whose cells are first brought to this place. Cells that
- * come out as they were are clean again, which ends the work early. The result is to the bit that of
- * drawing the whole list. Internal to sculpt. */
+ * The versions of a cell are what each stroke that wrote it changed, packed without loss (version_cells.h).
+ * An update walks the new list beside the old one and keeps the set of dirty cells, whose content is not what
+ * it was at this place of the old list, with the voxels that differ. A stroke that reads none of these keeps
+ * its versions, or has only its end done again (version_draw.c); another one is drawn again on a work grid,
+ * whose cells are first brought to this place. Cells that come out as they were are clean again, which ends
+ * the work early. The result is to the bit that of drawing the whole list. Internal to sculpt. */
 #ifndef ISO_SCULPT_SESSION_VERSIONS_H
 #define ISO_SCULPT_SESSION_VERSIONS_H
 

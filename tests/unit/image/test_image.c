@@ -16,6 +16,7 @@
 #include "check_support.h"
 #include "file_support.h"
 #include "image/image.h"
+#include "image/image_file.h"
 
 static const char *const PATH = ISO_TEST_TMP "/image.png";
 
@@ -381,13 +382,85 @@ static void a_full_disk_is_reported(void **state) {
     }
 }
 
+/* A picture of 40 x 24 pixels whose quarters have a grey each: 40, 90, 140, 190 from the top left on. */
+static iso_image quarters(void) {
+    iso_image image;
+    assert_int_equal(iso_image_create(40, 24, &image, NULL), ISO_OK);
+    for (int i = 0; i < 40 * 24; i++) {
+        const int value = 40 + 50 * (i % 40 >= 20) + 100 * (i / 40 >= 12);
+        for (int c = 0; c < 4; c++) image.rgba[4 * i + c] = (uint8_t)(c < 3 ? value : 255);
+    }
+    return image;
+}
+
+/* Puts an Exif block with an orientation after the first marker of a JPEG. */
+static void add_orientation(const char *path, int orientation, bool little) {
+    uint8_t block[] = {0xff, 0xe1, 0, 34, 'E', 'x', 'i', 'f', 0, 0, 'M', 'M', 0, 42, 0, 0, 0, 8,
+                       0,    1,    1, 18, 0,   3,   0,   0,   0, 1, 0,   0,   0, 0,  0, 0, 0, 0};
+    static const uint8_t other[] = {'I', 'I', 42, 0, 8, 0, 0, 0, 1, 0, 18, 1, 3, 0, 1, 0, 0, 0};
+    size_t size;
+    uint8_t *bytes = slurp(path, &size);
+    if (little) memcpy(block + 10, other, sizeof other);
+    block[little ? 28 : 29] = (uint8_t)orientation;
+    uint8_t *all = malloc(size + sizeof block);
+    memcpy(all, bytes, 2);
+    memcpy(all + 2, block, sizeof block);
+    memcpy(all + 2 + sizeof block, bytes + 2, size - 2);
+    spill(path, all, size + sizeof block);
+    free(bytes);
+    free(all);
+}
+
+/* A JPEG is read like a PNG, and turned as its camera was held: the corners of the picture tell. */
+static void jpeg_is_read(void **state) {
+    (void)state;
+    static const char *const JPEG = ISO_TEST_TMP "/turned.jpg";
+    static const uint8_t corners[9][4] = {{40, 90, 140, 190}, {40, 90, 140, 190}, {90, 40, 190, 140},
+                                          {190, 140, 90, 40}, {140, 190, 40, 90}, {40, 140, 90, 190},
+                                          {140, 40, 190, 90}, {190, 90, 140, 40}, {90, 190, 40, 140}};
+    if (!iso_jpeg_available()) skip();
+    for (int i = 0; i < 2 * 9; i++) {
+        const int orientation = i / 2;
+        iso_image image = quarters(), back = {0};
+        assert_int_equal(iso_jpeg_write(JPEG, &image, &(iso_png_opts){0}, NULL), ISO_OK);
+        if (orientation) add_orientation(JPEG, orientation, i % 2);
+        assert_int_equal(iso_image_file_read(JPEG, &back, NULL), ISO_OK);
+        assert_int_equal(back.width, orientation >= 5 ? 24 : 40);
+        assert_int_equal(back.height, orientation >= 5 ? 40 : 24);
+        for (int k = 0; k < 4; k++) {
+            const int x = k % 2 ? back.width - 3 : 2, y = k / 2 ? back.height - 3 : 2;
+            const uint8_t *pixel = back.rgba + 4 * (y * back.width + x);
+            assert_true(abs(pixel[0] - corners[orientation][k]) <= 3 && pixel[1] == pixel[0]);
+            assert_int_equal(pixel[3], 255);
+        }
+        iso_image_free(&image);
+        iso_image_free(&back);
+    }
+    /* what is cut is refused, and nothing is made up */
+    size_t size;
+    uint8_t *bytes = slurp(JPEG, &size);
+    iso_image back = {0};
+    iso_error error = {0};
+    spill(JPEG, bytes, size - 40);
+    assert_int_equal(iso_image_file_read(JPEG, &back, &error), ISO_ERR_IO);
+    assert_non_null(strstr(error.text, "turned.jpg"));
+    assert_null(back.rgba);
+    free(bytes);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_written_is_read),     cmocka_unit_test(one_transparent_pixel_is_found),
-        cmocka_unit_test(threads_write_the_same_file), cmocka_unit_test(small_files_hold_the_same_picture),
-        cmocka_unit_test(sides_are_checked),           cmocka_unit_test(texts_are_kept),
-        cmocka_unit_test(every_kind_is_read),          cmocka_unit_test(broken_files_are_named),
-        cmocka_unit_test(unreadable_files_are_named),  cmocka_unit_test(unwritable_paths_are_named),
+        cmocka_unit_test(what_is_written_is_read),
+        cmocka_unit_test(one_transparent_pixel_is_found),
+        cmocka_unit_test(threads_write_the_same_file),
+        cmocka_unit_test(small_files_hold_the_same_picture),
+        cmocka_unit_test(sides_are_checked),
+        cmocka_unit_test(texts_are_kept),
+        cmocka_unit_test(jpeg_is_read),
+        cmocka_unit_test(every_kind_is_read),
+        cmocka_unit_test(broken_files_are_named),
+        cmocka_unit_test(unreadable_files_are_named),
+        cmocka_unit_test(unwritable_paths_are_named),
         cmocka_unit_test(a_full_disk_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
