@@ -119,15 +119,18 @@ vec4 ellipse(int level, ivec2 at, pixel p) {
     return vec4(e * inverse, n * (along < 0.0 ? thin : -thin), reach * thin);
 }
 
-/* Whether the ray of a pixel, at depth z, is beyond the border of the points' grid. (Points on the border are
- * rounded.) */
+/* Whether the ray of a pixel, at depth z, is beyond the border of the points' grid by more than points on the
+ * border are rounded: 0.005 voxels and 0.02 pixels (render/pullpush/gaps_simd.h). */
 bool is_beyond_grid(int level, ivec2 at, float z) {
     if (border.w == 0.0) return false;
     vec2 whole = vec2(at.x, at.y + (lattice.y >> level));
     vec2 view = ((whole + 0.5) * float(1 << level) - ray.xy) / axis.w;
     if (!orthographic) view *= z;
     vec3 index = eye.xyz + normal_x.xyz * view.x + normal_y.xyz * view.y + normal_z.xyz * z;
-    return any(lessThan(index, vec3(-0.02))) || any(greaterThan(index, border.xyz + 0.02));
+    float mm = 0.02 * (orthographic ? 1.0 : z) / axis.w;
+    vec3 x = normal_x.xyz, y = normal_y.xyz, dir = normal_z.xyz;
+    vec3 rounded = 0.005 + mm * sqrt(x * x + y * y + dir * dir);
+    return any(lessThan(index, -rounded)) || any(greaterThan(index, border.xyz + rounded));
 }
 
 /* Writes a pixel of level 1 or higher and its ellipse. */

@@ -257,11 +257,12 @@ typedef struct iso_rgb {
     uint8_t r, g, b;
 } iso_rgb;
 
-/* The kind of points that iso_surface_points extracts and pictures are drawn from, where AUTO means EDGE. */
+/* The kind of points that iso_surface_points extracts and pictures are drawn from. */
 typedef enum iso_primitive {
-    ISO_PRIMITIVE_AUTO, /* FOOT for sparse level sets whose band does not end near the isovalue, else EDGE */
+    ISO_PRIMITIVE_AUTO, /* EDGE */
     ISO_PRIMITIVE_EDGE, /* the vertices of Marching Cubes, on the edges between voxels */
-    ISO_PRIMITIVE_FOOT, /* for level sets only: the nearest points of the surface to the voxels beside it */
+    ISO_PRIMITIVE_FOOT, /* for level sets only: the nearest points of the surface to the voxels beside it;
+                           they are missing in creases narrower than about two voxels */
     ISO_PRIMITIVE_FOOT_ITERATED /* the same for any field, found by iteration */
 } iso_primitive;
 

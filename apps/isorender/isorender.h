@@ -139,8 +139,8 @@ iso_status isorender_read(isorender_job *job, iso_error *error);
 /* Chooses isovalues and colours; extracts what the method and the exports need of every surface; finds the
  * bounds. ISO_ERR_EMPTY when a surface is empty. */
 iso_status isorender_extract(isorender_job *job, iso_error *error);
-/* Returns the kind of points that are extracted: that of --primitive, or else the best for the grid and the
- * method. */
+/* Returns the kind of points that are extracted: that of --primitive, or else edge points, because in narrow
+ * creases the gradients of level sets are no normals, and foot points are missing or beside the surface. */
 iso_primitive isorender_primitive(const isorender_job *job);
 /* Writes --points and --mesh; measures meshes for --json and --verbose. */
 iso_status isorender_export(isorender_job *job, iso_error *error);

@@ -380,8 +380,9 @@ static const iso_option options[] = {
     {"attenuation-distance", NULL, "MM", "see --attenuation-color", .group = SURFACE,
      REAL(attenuation_distance, 1e-6, 1e9)},
     {"primitive", NULL, "NAME",
-     "which points: auto, edge, foot, foot-iterated; auto is foot for sparse level sets unless they are "
-     "drawn as curved discs or the isovalue is near the end of the narrow band, edge for the rest",
+     "which points: auto or edge (the vertices of Marching Cubes), foot (of level sets: the nearest points "
+     "to "
+     "the voxels outside; they miss narrow creases) or foot-iterated (of any volume)",
      .group = POINTS, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"radius", NULL, "MM",

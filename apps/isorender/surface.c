@@ -207,14 +207,7 @@ static bool draws_curved_discs(const isorender_job *job) {
 
 iso_primitive isorender_primitive(const isorender_job *job) {
     const iso_primitive chosen = (iso_primitive)job->settings->primitive;
-    if (chosen != ISO_PRIMITIVE_AUTO) return chosen;
-    /* One kind for all surfaces. No foot points with --closed: the caps' voxels hold no distances. */
-    bool foot = !draws_curved_discs(job) && job->method != ISO_METHOD_HYBRID && !job->settings->closed;
-    for (int i = 0; i < job->surface_count && foot; i++)
-        foot = !job->surfaces[i].label_group &&
-               iso_primitive_auto(&job->surfaces[i].loader->volume.grid, job->surfaces[i].scene.isovalue) ==
-                   ISO_PRIMITIVE_FOOT;
-    return foot ? ISO_PRIMITIVE_FOOT : ISO_PRIMITIVE_EDGE;
+    return chosen == ISO_PRIMITIVE_AUTO ? ISO_PRIMITIVE_EDGE : chosen;
 }
 
 static iso_status extract_points(isorender_job *job, isorender_surface *surface, iso_error *error) {

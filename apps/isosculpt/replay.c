@@ -365,11 +365,8 @@ static iso_painted paint_of(const player *p) {
 
 static iso_status write_points(player *p, const char *path, iso_error *error) {
     const iso_grid grid = {.hgrid = iso_session_grid(p->session)};
-    iso_scene_surface surface = {.grid = grid,
-                                 .primitive = iso_primitive_auto(&grid, 0),
-                                 .bounded = true,
-                                 .floats = true,
-                                 .pool = p->pool};
+    iso_scene_surface surface = {
+        .grid = grid, .primitive = ISO_PRIMITIVE_EDGE, .bounded = true, .floats = true, .pool = p->pool};
     iso_status status = iso_scene_surface_update(&surface, ISO_PART_POINTS, error);
     if (status == ISO_OK) {
         const iso_point_view view = iso_scene_surface_points(&surface);

@@ -85,7 +85,7 @@ iso_status iso_surface_create(iso_volume *volume, const iso_surface_opts *opts, 
                                       .isovalue = opts->isovalue,
                                       .pool = made->pool,
                                       .bounded = true,
-                                      .primitive = opts->primitive};
+                                      .primitive = opts->primitive ? opts->primitive : ISO_PRIMITIVE_EDGE};
     made->opacity = opts->opacity > 0 ? opts->opacity : 1;
     made->has_color = opts->color != NULL;
     if (opts->color) made->color = *opts->color;
@@ -121,9 +121,7 @@ iso_status iso_surface_set_isovalue(iso_surface *surface, double isovalue, iso_e
     if (surface->label_fields) return iso_fail(error, ISO_ERR_USAGE, "a surface of labels has no isovalue");
     ISO_TRY(check_isovalue(&surface->scene.grid, isovalue, error));
     surface->scene.isovalue = isovalue;
-    /* with the primitive AUTO the kind of points depends on the isovalue */
-    iso_point_set_destroy(surface->points);
-    surface->points = NULL;
+    if (surface->points) iso_point_set_isovalue(surface->points, isovalue);
     return ISO_OK;
 }
 

@@ -24,3 +24,17 @@ for file in part normals other border; do
         exit 1
     fi
 done
+
+# Points of a level set do not tear where it has narrow creases, as between the bear's arm and body: files that
+# isosculpt and isorender write, and pictures of its volume. (Foot points: holes in 0.021 % and 29.8 dB.)
+side="--azimuth 25 --elevation 8 --resolution 512x512 --samples 1 -q"
+isosculpt --headless --replay "$volumes/bear.strokes" --output bear.ply --quiet
+isosculpt --headless --replay "$volumes/bear.strokes" --output bear.vdb --quiet
+isorender bear.vdb --no-image --points same.ply -q
+isorender bear.vdb $side --method raycast -o rays.png
+isorender bear.vdb $side --method splats -o volume.png
+isorender bear.ply $side -o bear.png
+isorender same.ply $side -o same.png
+for picture in volume bear same; do
+    isocompare images rays.png $picture.png --fail-under psnr_in=30.8 --fail-under holes=0.002 > told.txt
+done

@@ -176,17 +176,22 @@ static double form(const ellipse *e, double dx, double dy) {
     return (e->yy * dx * dx - 2 * e->xy * dx * dy + e->xx * dy * dy) / (e->xx * e->yy - e->xy * e->xy);
 }
 
-/* Whether the surface ends before the point of a pixel's ray at this depth: beyond the grid's border. */
+/* Whether the surface ends before the point of a pixel's ray at this depth: beyond the grid's border by more
+ * than 0.005 voxels and 0.02 pixels. */
 static bool is_beyond_grid(const work *w, double x, double y, double depth) {
     const iso_view *view = w->view;
     if (w->dims[0] <= 0 || w->dims[1] <= 0 || w->dims[2] <= 0) return false;
     double scale = view->orthographic ? 1 / view->focal : depth / view->focal;
     double at[3] = {(x - w->opts->guard - view->cx) * scale, (y - w->opts->guard - view->cy) * scale, depth};
     for (int k = 0; k < 3; k++) {
-        double index = 0;
-        for (int row = 0; row < 3; row++)
-            index += (double)w->projector.normal[3 * row + k] * (at[row] - w->projector.origin[row]);
-        if (index < -0.02 || index > w->dims[k] - 1 + 0.02) return true;
+        double index = 0, square = 0;
+        for (int row = 0; row < 3; row++) {
+            const double n = (double)w->projector.normal[3 * row + k];
+            index += n * (at[row] - w->projector.origin[row]);
+            square += n * n;
+        }
+        const double rounded = 0.005 + 0.02 * scale * sqrt(square);
+        if (index < -rounded || index > w->dims[k] - 1 + rounded) return true;
     }
     return false;
 }

@@ -35,8 +35,9 @@ ISO_C_BEGIN
 
 const char *iso_primitive_name(iso_primitive primitive); /* "auto" "edge" "foot" "foot-iterated" */
 
-/* The primitive that ISO_PRIMITIVE_AUTO stands for: foot for an hgrid, unless the isovalue (physical) is so
- * near the end of its narrow band that foot points would be missing; edge for all other grids. */
+/* The primitive that ISO_PRIMITIVE_AUTO stands for here, that which is extracted fastest: foot for an hgrid,
+ * unless the isovalue (physical) is so near the end of its narrow band that foot points would be missing;
+ * edge for all other grids. Pictures and files show edge points, because foot points miss narrow creases. */
 iso_primitive iso_primitive_auto(const iso_grid *grid, double isovalue);
 
 typedef struct iso_points_opts {

@@ -109,7 +109,9 @@ ISO_INLINE vi mark_border(const iso_pullpush_params *params, const iso_pyramid_l
         longest = v_max(longest, v_set(n[0] * n[0] + n[3] * n[3] + n[6] * n[6]));
     }
     const vf reach = (pixel + 2 * plane_or(level, ISO_PLANE_RADIUS, at, params->radius)) * v_sqrt(longest);
-    return v_selecti(is_beyond_grid(params, &ray, depth, reach), v_seti(ISO_OUT_BORDER), v_seti(0));
+    vf room = v_set(ISO_NOWHERE);
+    for (int k = 0; k < 3; k++) room = v_min(room, room_in_grid(params, &ray, depth, k));
+    return v_selecti(v_lt(room, reach), v_seti(ISO_OUT_BORDER), v_seti(0));
 }
 
 static void make_ellipses(const iso_pullpush_params *params, int number, iso_rows rows) {

@@ -119,7 +119,7 @@ ISO_INLINE bool see_points(const iso_pullpush_params *params, const pp_sight *si
 ISO_INLINE vm clip_points(const iso_pullpush_params *params, const pp_sight *sight, vf z, vm inside) {
     if (!v_mask(inside) || !params->has_border) return inside;
     const pp_ray ray = index_ray(params, v_set(sight->column), v_set(sight->row));
-    return v_andnot(inside, is_beyond_grid(params, &ray, z, v_set(PP_BORDER)));
+    return v_andnot(inside, is_beyond_grid(params, &ray, z));
 }
 
 /* Whether the ellipse of any of a vector of points contains a sample: that of project_disc in
@@ -330,7 +330,7 @@ ISO_INLINE vm is_beyond_disc(const iso_pullpush_params *params, const pp_own *ow
     /* the disc's plane at the pixel's centre, no further than the disc reaches */
     const vf steep = v_select(v_lt(v_abs(along), v_set(1e-6f)), v_set(1e-6f), along),
              z = own->depth + v_max(-radius, v_min(radius, -out * pixel / steep));
-    return v_or(beyond, is_beyond_grid(params, &ray, z, v_set(PP_BORDER)));
+    return v_or(beyond, is_beyond_grid(params, &ray, z));
 }
 
 /* Takes those out of `beyond` that are `around` and that points support, or whose discs are too small to

@@ -101,24 +101,33 @@ ISO_INLINE pp_ray index_ray(const iso_pullpush_params *params, vf column, vf row
     return ray;
 }
 
-/* Whether the points of the rays at depth z lie less than `inside` voxels within the grid's border, or beyond
- * it. */
-ISO_INLINE vm is_beyond_grid(const iso_pullpush_params *params, const pp_ray *ray, vf z, vf inside) {
-    vf room = v_set(ISO_NOWHERE);
-    for (int k = 0; k < 3; k++) {
-        const vf at = ray->from[k] + z * ray->along[k];
-        room = v_min(room, v_min(at, params->border[k] - at));
-    }
-    return v_lt(room, inside);
+/* How far inside the grid's border the points of the rays at depth z lie along index axis k, voxels; less
+ * than 0 beyond it. */
+ISO_INLINE vf room_in_grid(const iso_pullpush_params *params, const pp_ray *ray, vf z, int k) {
+    const vf at = ray->from[k] + z * ray->along[k];
+    return v_min(at, params->border[k] - at);
 }
 
-/* How far beyond its border the grid still counts, voxels: points that lie on the border are rounded. */
-#define PP_BORDER (-0.02f)
+/* How far beyond its border the grid still counts, because points that lie on the border are rounded: voxels
+ * (packed points), and pixels (their places within these). */
+#define PP_BORDER_VOXELS 0.005f
+#define PP_BORDER_PIXELS 0.02f
+
+/* Whether the points of the rays at depth z lie beyond the grid's border. */
+ISO_INLINE vm is_beyond_grid(const iso_pullpush_params *params, const pp_ray *ray, vf z) {
+    const vf pixels = params->orthographic ? v_set(PP_BORDER_PIXELS) : z * PP_BORDER_PIXELS;
+    vm beyond = v_from_mask(0);
+    for (int k = 0; k < 3; k++)
+        beyond = v_or(beyond, v_lt(room_in_grid(params, ray, z, k) + PP_BORDER_VOXELS +
+                                       pixels * params->voxels_per_pixel[k],
+                                   v_set(0)));
+    return beyond;
+}
 
 /* Takes the pixels out of `inside` whose rays, at the depth z of a disc, are beyond the grid's border, if the
  * disc may reach it (`border`). */
 ISO_INLINE vm clip_to_grid(const iso_pullpush_params *params, const pp_ray *ray, vf z, vm border, vm inside) {
-    return v_andnot(inside, v_and(border, is_beyond_grid(params, ray, z, v_set(PP_BORDER))));
+    return v_andnot(inside, v_and(border, is_beyond_grid(params, ray, z)));
 }
 
 /* Which pixels of a level from index o on have a bit in OUT. */

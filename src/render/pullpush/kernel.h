@@ -63,8 +63,9 @@ typedef struct iso_pullpush_params {
      * `border`. `eye`: index coordinates of view space's origin. */
     bool has_border;
     float border[3], eye[3];
-    bool illuminated; /* tubes get the normals of illuminated lines */
-    float weight[4];  /* weight of a pixel at q (pyramid.h), 0 <= q < 1: a cubic, constant term first */
+    float voxels_per_pixel[3]; /* along the index axes, at depth 1 mm (orthographic: at any depth) */
+    bool illuminated;          /* tubes get the normals of illuminated lines */
+    float weight[4]; /* weight of a pixel at q (pyramid.h), 0 <= q < 1: a cubic, constant term first */
 } iso_pullpush_params;
 
 /* Blocks order[0] .. order[count - 1] of the array `blocks`. */

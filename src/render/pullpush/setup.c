@@ -1,6 +1,7 @@
 /* setup: the low-pass filters and weights of pull-push, and its transforms as floats. */
 #include "render/pullpush/setup.h"
 
+#include <math.h>
 #include <string.h>
 
 /* The low-pass filter: added to the squared axes of ellipses, pixels^2. The ellipses of a surface need less,
@@ -61,9 +62,13 @@ iso_pullpush_params iso_pullpush_params_make(const iso_pyramid_layout *layout, c
         .edge = SURFACE_EDGE,
         .has_border = dims[0] > 0 && dims[1] > 0 && dims[2] > 0};
     for (int k = 0; k < 3; k++) {
-        double sum = 0;
-        for (int row = 0; row < 3; row++)
-            sum += (double)projector->normal[3 * row + k] * projector->origin[row];
+        double sum = 0, square = 0;
+        for (int row = 0; row < 3; row++) {
+            const double n = (double)projector->normal[3 * row + k];
+            sum += n * projector->origin[row];
+            square += n * n;
+        }
+        params.voxels_per_pixel[k] = (float)(sqrt(square) / view->focal);
         params.border[k] = (float)(dims[k] - 1);
         params.eye[k] = (float)-sum;
     }
