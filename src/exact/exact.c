@@ -13,11 +13,6 @@ static const iso_halo HALO = {.down = 1, .up = 0};
 
 enum { LATTICE = ISO_EXACT_LATTICE };
 
-typedef struct exact_scratch {
-    iso_exact_output output;
-    float window[LATTICE * LATTICE * LATTICE]; /* voxels of the grid's type, at most as large as floats */
-} exact_scratch;
-
 /* ---- one brick */
 
 static void count_cells(const int *dims, const int brick[3], int cells[3]) {
@@ -105,18 +100,23 @@ static float isovalue_of(const void *context) {
     return ((const iso_exact *)context)->surface.isovalue_ceil;
 }
 
-static void extract_brick(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
-    const iso_exact *exact = context;
-    exact_scratch *scratch = memory;
-    iso_exact_output *made = &scratch->output;
+/* Finds the crossed cells of a brick; false: it has no cells at all. */
+static bool find_cells(const iso_exact *exact, const int brick[3], iso_exact_extraction *extraction) {
     iso_exact_source source = {.isovalue_ceil = exact->surface.isovalue_ceil};
     count_cells(iso_grid_dims(&exact->grid), brick, source.cells);
-    if (source.cells[0] < 1 || source.cells[1] < 1 || source.cells[2] < 1) return;
+    if (source.cells[0] < 1 || source.cells[1] < 1 || source.cells[2] < 1) return false;
     if (exact->grid.rgrid)
-        set_rgrid_source(exact->grid.rgrid, brick, &source, scratch->window);
+        set_rgrid_source(exact->grid.rgrid, brick, &source, extraction->window);
     else
-        set_hgrid_source(exact->grid.hgrid, brick, &source, scratch->window);
-    exact->extract(&source, made);
+        set_hgrid_source(exact->grid.hgrid, brick, &source, extraction->window);
+    exact->extract(&source, &extraction->output);
+    return true;
+}
+
+static void extract_brick(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
+    iso_exact_extraction *extraction = memory;
+    const iso_exact_output *made = &extraction->output;
+    if (!find_cells(context, brick, extraction)) return;
     *output = (iso_brick_output){.count = {made->octants, made->groups}, .own = made->cells};
     output->items[0] = made->octant;
     output->items[ISO_SPAN_ARRAYS] = made->corners;
@@ -168,7 +168,7 @@ iso_status iso_exact_create(const iso_grid *grid, const iso_exact_opts *opts, is
     const iso_brick_kernel kernel = {
         .item_bytes =
             {[0] = sizeof(iso_exact_octant), [ISO_SPAN_ARRAYS] = iso_exact_group_bytes(exact->type)},
-        .scratch_bytes = sizeof(exact_scratch),
+        .scratch_bytes = sizeof(iso_exact_extraction),
         .span_bytes = sizeof(iso_exact_span),
         .halo = HALO,
         .may_exist = may_exist,
@@ -238,4 +238,34 @@ iso_exact_totals iso_exact_stats(const iso_exact *exact) {
         .bricks = exact->set.extracted,
         .bytes = heaps[0].end * sizeof(iso_exact_octant) + heaps[1].end * iso_exact_group_bytes(exact->type),
     };
+}
+
+/* ---- single bricks */
+
+void iso_exact_single_begin(iso_exact_single *single, const iso_exact *exact) {
+    iso_exact *own = &single->exact;
+    *own = *exact;
+    own->set = (iso_brick_set){.spans.data = &single->span, .span_count = 1};
+    own->set.heap[0] = (iso_span_heap){.live = 1, .array[0].data = single->extraction.output.octant};
+    own->set.heap[1] = (iso_span_heap){.live = 1, .array[0].data = single->extraction.output.corners};
+    single->span = (iso_exact_span){.octants = 0};
+}
+
+bool iso_exact_single_extract(iso_exact_single *single, const int brick[3]) {
+    const iso_exact *exact = &single->exact;
+    const iso_exact_output *made = &single->extraction.output;
+    if (!find_cells(exact, brick, &single->extraction) || !made->cells) return false;
+    single->span.octants = made->octants;
+    single->span.cells = made->cells;
+    for (int axis = 0; axis < 3; axis++) single->span.brick[axis] = brick[axis] + exact->origin[axis];
+    return true;
+}
+
+iso_brick_box iso_exact_brick_box(const iso_exact *exact) {
+    iso_brick_box box = exact->set.region.box;
+    for (int axis = 0; axis < 3; axis++) {
+        box.first[axis] -= exact->origin[axis];
+        box.end[axis] = exact->set.restricted ? box.end[axis] - exact->origin[axis] : exact->set.bricks[axis];
+    }
+    return box;
 }

@@ -1,5 +1,8 @@
 /* frame: the visible bricks of one surface in one picture, front to back, and the drawing of bands of rows.
- * Internal to exact. */
+ * Internal to exact.
+ *
+ * A frame shows the bricks that the iso_exact has extracted. Into a key image it draws all bricks of the
+ * grid: it extracts those that have free pixels when their turn comes. */
 #ifndef ISO_EXACT_FRAME_H
 #define ISO_EXACT_FRAME_H
 
@@ -8,10 +11,11 @@
 typedef struct iso_exact_frame {
     iso_exact_projection projection;
     const iso_exact_kernel *kernel;
-    uint32_t *order; /* spans front to back */
-    size_t span_count;
-    iso_exact_visible_brick *visible; /* those of the spans of task t, from index t * (spans of a task) on */
-    int *visible_count;               /* number of visible bricks, by task */
+    uint32_t *order; /* bricks front to back, as numbers of iso_exact_visible_brick */
+    size_t brick_count;
+    iso_exact_visible_brick
+        *visible;       /* those of the bricks of task t, from index t * (bricks of a task) on */
+    int *visible_count; /* number of visible bricks, by task */
     size_t task_count;
     /* Of key images: the least place (iso_exact_place) of a brick, and the first and last column to draw. */
     uint32_t least;
