@@ -100,8 +100,7 @@ static float isovalue_of(const void *context) {
     return ((const iso_exact *)context)->surface.isovalue_ceil;
 }
 
-/* Finds the crossed cells of a brick; false: it has no cells at all. */
-static bool find_cells(const iso_exact *exact, const int brick[3], iso_exact_extraction *extraction) {
+bool iso_exact_find_cells(const iso_exact *exact, const int brick[3], iso_exact_extraction *extraction) {
     iso_exact_source source = {.isovalue_ceil = exact->surface.isovalue_ceil};
     count_cells(iso_grid_dims(&exact->grid), brick, source.cells);
     if (source.cells[0] < 1 || source.cells[1] < 1 || source.cells[2] < 1) return false;
@@ -116,7 +115,7 @@ static bool find_cells(const iso_exact *exact, const int brick[3], iso_exact_ext
 static void extract_brick(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
     iso_exact_extraction *extraction = memory;
     const iso_exact_output *made = &extraction->output;
-    if (!find_cells(context, brick, extraction)) return;
+    if (!iso_exact_find_cells(context, brick, extraction)) return;
     *output = (iso_brick_output){.count = {made->octants, made->groups}, .own = made->cells};
     output->items[0] = made->octant;
     output->items[ISO_SPAN_ARRAYS] = made->corners;
@@ -238,34 +237,4 @@ iso_exact_totals iso_exact_stats(const iso_exact *exact) {
         .bricks = exact->set.extracted,
         .bytes = heaps[0].end * sizeof(iso_exact_octant) + heaps[1].end * iso_exact_group_bytes(exact->type),
     };
-}
-
-/* ---- single bricks */
-
-void iso_exact_single_begin(iso_exact_single *single, const iso_exact *exact) {
-    iso_exact *own = &single->exact;
-    *own = *exact;
-    own->set = (iso_brick_set){.spans.data = &single->span, .span_count = 1};
-    own->set.heap[0] = (iso_span_heap){.live = 1, .array[0].data = single->extraction.output.octant};
-    own->set.heap[1] = (iso_span_heap){.live = 1, .array[0].data = single->extraction.output.corners};
-    single->span = (iso_exact_span){.octants = 0};
-}
-
-bool iso_exact_single_extract(iso_exact_single *single, const int brick[3]) {
-    const iso_exact *exact = &single->exact;
-    const iso_exact_output *made = &single->extraction.output;
-    if (!find_cells(exact, brick, &single->extraction) || !made->cells) return false;
-    single->span.octants = made->octants;
-    single->span.cells = made->cells;
-    for (int axis = 0; axis < 3; axis++) single->span.brick[axis] = brick[axis] + exact->origin[axis];
-    return true;
-}
-
-iso_brick_box iso_exact_brick_box(const iso_exact *exact) {
-    iso_brick_box box = exact->set.region.box;
-    for (int axis = 0; axis < 3; axis++) {
-        box.first[axis] -= exact->origin[axis];
-        box.end[axis] = exact->set.restricted ? box.end[axis] - exact->origin[axis] : exact->set.bricks[axis];
-    }
-    return box;
 }

@@ -2,14 +2,12 @@
  * octants of the bricks that have free pixels in it. */
 #include "exact/frame.h"
 
-#include <limits.h>
 #include <stddef.h>
 #include <string.h>
 
 #include "base/memory.h"
 
 enum {
-    BRICKS_PER_TASK = 64,
     MOST_COLUMNS = 1 << 16, /* the kernels keep a pixel as y << 16 | x, signed */
     MOST_ROWS = 1 << 15,
     OCTANTS_AT_ONCE = 32 /* at least so many are drawn at once: a kernel fetches the next one in advance */
@@ -42,54 +40,22 @@ static bool extracts(const iso_exact_frame *frame) {
     return frame->projection.paint && frame->projection.paint->keys;
 }
 
-/* Lists the bricks that the isovalue crosses, of a chunk whose ranges are known; else all. */
-static void order_bricks(iso_exact_frame *frame) {
-    const iso_exact *exact = frame->projection.exact;
-    const iso_brick_range *ranges = exact->set.region.ranges;
-    const iso_brick_box box = iso_exact_brick_box(exact);
-    const float isovalue = exact->surface.isovalue_ceil;
-    int split[3], size[3], at[3];
-    size_t count = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        size[axis] = box.end[axis] - box.first[axis];
-        split[axis] = iso_exact_brick_split(&frame->projection, axis) - exact->origin[axis] - box.first[axis];
-    }
-    for (int k = 0; k < size[2]; k++)
-        for (int j = 0; j < size[1]; j++)
-            for (int i = 0; i < size[0]; i++) {
-                const int step[3] = {i, j, k};
-                for (int axis = 0; axis < 3; axis++)
-                    at[axis] = iso_exact_front_to_back(step[axis], size[axis], split[axis]);
-                const size_t number =
-                    ((size_t)at[2] * (size_t)size[1] + (size_t)at[1]) * (size_t)size[0] + (size_t)at[0];
-                if (ranges && !(ranges[number].lo < isovalue && isovalue <= ranges[number].hi)) continue;
-                frame->order[count++] =
-                    (uint32_t)(((box.first[2] + at[2]) * exact->set.bricks[1] + box.first[1] + at[1]) *
-                                   exact->set.bricks[0] +
-                               box.first[0] + at[0]);
-            }
-    frame->brick_count = count;
-}
-
 /* The brick of the whole with a number of frame->order. */
 static void locate(const iso_exact_frame *frame, uint32_t number, int32_t brick[3]) {
-    const iso_exact *exact = frame->projection.exact;
-    if (!extracts(frame)) {
-        memcpy(brick, iso_exact_spans(exact)[number].brick, 3 * sizeof *brick);
-        return;
-    }
-    iso_brick_set_coordinates(&exact->set, number, brick);
-    for (int axis = 0; axis < 3; axis++) brick[axis] += exact->origin[axis];
+    if (extracts(frame))
+        iso_exact_locate_brick(frame, number, brick);
+    else
+        memcpy(brick, iso_exact_spans(frame->projection.exact)[number].brick, 3 * sizeof *brick);
 }
 
 static void list_task_bricks(void *context, size_t index, int worker) {
     (void)worker;
     iso_exact_frame *frame = context;
-    iso_exact_visible_brick *visible = frame->visible + index * BRICKS_PER_TASK;
-    size_t end = (index + 1) * BRICKS_PER_TASK;
+    iso_exact_visible_brick *visible = frame->visible + index * ISO_EXACT_BRICKS_PER_TASK;
+    size_t end = (index + 1) * ISO_EXACT_BRICKS_PER_TASK;
     if (end > frame->brick_count) end = frame->brick_count;
     int count = 0;
-    for (size_t i = index * BRICKS_PER_TASK; i < end; i++) {
+    for (size_t i = index * ISO_EXACT_BRICKS_PER_TASK; i < end; i++) {
         int32_t brick[3];
         visible[count].number = frame->order[i];
         locate(frame, frame->order[i], brick);
@@ -100,13 +66,12 @@ static void list_task_bricks(void *context, size_t index, int worker) {
 
 static iso_status alloc_frame(iso_exact_frame *frame, iso_error *error) {
     const iso_exact *exact = frame->projection.exact;
-    const iso_brick_box box = iso_exact_brick_box(exact);
-    const size_t bricks = extracts(frame) ? iso_brick_box_count(&box)
+    const size_t bricks = extracts(frame) ? iso_exact_count_bricks(exact)
                           : exact->sorted ? exact->set.span_count
                                           : 0;
-    frame->task_count = (bricks + BRICKS_PER_TASK - 1) / BRICKS_PER_TASK;
+    frame->task_count = (bricks + ISO_EXACT_BRICKS_PER_TASK - 1) / ISO_EXACT_BRICKS_PER_TASK;
     frame->order = iso_alloc(bricks * sizeof *frame->order);
-    frame->visible = iso_alloc(frame->task_count * BRICKS_PER_TASK * sizeof *frame->visible);
+    frame->visible = iso_alloc(frame->task_count * ISO_EXACT_BRICKS_PER_TASK * sizeof *frame->visible);
     frame->visible_count = iso_alloc(frame->task_count * sizeof *frame->visible_count);
     if (frame->order && frame->visible && frame->visible_count) return ISO_OK;
     return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing %zu bricks of cells", bricks);
@@ -124,7 +89,7 @@ iso_status iso_exact_frame_start(iso_exact_frame *frame, iso_error *error) {
     frame->projection.voxels = iso_exact_voxels_of(grid);
     ISO_TRY(alloc_frame(frame, error));
     if (extracts(frame))
-        order_bricks(frame);
+        iso_exact_order_bricks(frame);
     else if (frame->task_count)
         order_spans(frame);
     iso_parallel_for(frame->projection.target->pool, frame->task_count, list_task_bricks, frame);
@@ -135,26 +100,6 @@ void iso_exact_frame_free(iso_exact_frame *frame) {
     iso_free(frame->order);
     iso_free(frame->visible);
     iso_free(frame->visible_count);
-}
-
-bool iso_exact_frame_limit(iso_exact_frame *frame, int pixels[4]) {
-    int32_t brick[3];
-    pixels[0] = pixels[2] = INT_MAX;
-    pixels[1] = pixels[3] = -1;
-    for (size_t task = 0; task < frame->task_count; task++)
-        for (int i = 0; i < frame->visible_count[task]; i++) {
-            const iso_exact_box *box = &frame->visible[task * BRICKS_PER_TASK + (size_t)i].box;
-            if (box->x0 < pixels[0]) pixels[0] = box->x0;
-            if (box->x1 > pixels[1]) pixels[1] = box->x1;
-            if (box->y0 < pixels[2]) pixels[2] = box->y0;
-            if (box->y1 > pixels[3]) pixels[3] = box->y1;
-        }
-    if (pixels[1] < 0) return false;
-    locate(frame, frame->order[0], brick);
-    frame->least = iso_exact_place(&frame->projection, brick);
-    frame->columns[0] = pixels[0];
-    frame->columns[1] = pixels[1];
-    return true;
 }
 
 /* Makes those pixels of a row of the band free that do not belong to a brick in front of all listed ones. */
@@ -216,38 +161,18 @@ static void start_band(const iso_exact_frame *frame, iso_rows rows, iso_exact_sc
     }
 }
 
-/* Draws bricks of the grid, each of which is extracted if it has free pixels. Pixels in the kernel's queue
- * keep nothing of the bricks that they belong to. */
-static void draw_bricks(const iso_exact_frame *frame, iso_exact_scratch *scratch) {
-    iso_exact_projection projection = frame->projection;
-    iso_exact_single *single = scratch->single;
-    iso_exact_visible octants[ISO_EXACT_OCTANTS];
-    iso_exact_single_begin(single, projection.exact);
-    projection.exact = &single->exact;
-    for (size_t task = 0; task < frame->task_count; task++)
-        for (int i = 0; i < frame->visible_count[task]; i++) {
-            const iso_exact_visible_brick *visible = &frame->visible[task * BRICKS_PER_TASK + (size_t)i];
-            int clip[4], brick[3];
-            if (!iso_exact_is_open(scratch, &visible->box, clip)) continue;
-            iso_brick_set_coordinates(&frame->projection.exact->set, visible->number, brick);
-            if (!iso_exact_single_extract(single, brick)) continue;
-            frame->kernel->draw(&projection, octants, iso_exact_list_visible_octants(&projection, 0, octants),
-                                scratch);
-        }
-    frame->kernel->flush(&projection, scratch);
-}
-
 void iso_exact_frame_draw(const iso_exact_frame *frame, iso_rows rows, iso_exact_scratch *scratch) {
     iso_exact_visible octants[OCTANTS_AT_ONCE + ISO_EXACT_OCTANTS];
     int count = 0, clip[4];
     start_band(frame, rows, scratch);
     if (extracts(frame)) {
-        draw_bricks(frame, scratch);
+        iso_exact_draw_bricks(frame, scratch);
         return;
     }
     for (size_t task = 0; task < frame->task_count; task++)
         for (int i = 0; i < frame->visible_count[task]; i++) {
-            const iso_exact_visible_brick *brick = &frame->visible[task * BRICKS_PER_TASK + (size_t)i];
+            const iso_exact_visible_brick *brick =
+                &frame->visible[task * ISO_EXACT_BRICKS_PER_TASK + (size_t)i];
             if (!iso_exact_is_open(scratch, &brick->box, clip)) continue;
             count += iso_exact_list_visible_octants(&frame->projection, brick->number, octants + count);
             if (count < OCTANTS_AT_ONCE) continue;

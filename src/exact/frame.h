@@ -8,6 +8,8 @@
 
 #include "exact/kernel.h"
 
+enum { ISO_EXACT_BRICKS_PER_TASK = 64 };
+
 typedef struct iso_exact_frame {
     iso_exact_projection projection;
     const iso_exact_kernel *kernel;
@@ -33,6 +35,14 @@ bool iso_exact_frame_limit(iso_exact_frame *frame, int pixels[4]);
 
 /* Draws a band of rows. Any number of threads may draw bands of a frame, each with its own scratch. */
 void iso_exact_frame_draw(const iso_exact_frame *frame, iso_rows rows, iso_exact_scratch *scratch);
+
+/* For a frame that extracts the bricks (bricks.c): counts the bricks of the grid; lists those that the
+ * isovalue crosses, if the ranges of a chunk are known, else all; tells the brick of the whole that has a
+ * number; draws those that have free pixels into a band. */
+size_t iso_exact_count_bricks(const iso_exact *exact);
+void iso_exact_order_bricks(iso_exact_frame *frame);
+void iso_exact_locate_brick(const iso_exact_frame *frame, uint32_t number, int32_t brick[3]);
+void iso_exact_draw_bricks(const iso_exact_frame *frame, iso_exact_scratch *scratch);
 
 /* The scratch memory of `workers` workers, for bands of at most `rows` rows of `width` pixels; NULL without
  * memory. Free with iso_free. */

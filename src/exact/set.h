@@ -34,6 +34,9 @@ typedef struct iso_exact_extraction {
     float window[ISO_EXACT_LATTICE * ISO_EXACT_LATTICE * ISO_EXACT_LATTICE];
 } iso_exact_extraction;
 
+/* Finds the crossed cells of a brick of the grid; false: it has no cells at all. */
+bool iso_exact_find_cells(const iso_exact *exact, const int brick[3], iso_exact_extraction *extraction);
+
 /* An iso_exact of the cells of one brick at a time, which are extracted to be drawn and not stored. Large:
  * one for each worker. */
 typedef struct iso_exact_single {
@@ -41,14 +44,6 @@ typedef struct iso_exact_single {
     iso_exact_span span;
     iso_exact_extraction extraction;
 } iso_exact_single;
-
-/* Begins with no cells of `exact`, which is borrowed. */
-void iso_exact_single_begin(iso_exact_single *single, const iso_exact *exact);
-/* Replaces the cells by those of a brick of the grid; false: it has none. */
-bool iso_exact_single_extract(iso_exact_single *single, const int brick[3]);
-
-/* The bricks of the grid whose cells belong to the surface: first .. end - 1 on each axis. */
-iso_brick_box iso_exact_brick_box(const iso_exact *exact);
 
 static inline const iso_exact_span *iso_exact_spans(const iso_exact *exact) {
     return (const iso_exact_span *)exact->set.spans.data;
