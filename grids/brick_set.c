@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "base/foresee.h"
 #include "base/primitives.h"
 
 enum {
@@ -165,6 +166,7 @@ static iso_status store_result(iso_brick_set *set, const result *made, iso_error
 struct iso_brick_sink {
     iso_brick_set *set;
     chunk *part;
+    size_t total; /* number of bricks to extract; without a part */
     void *scratch;
     iso_status status;
     iso_error *error;
@@ -176,7 +178,13 @@ void *iso_brick_sink_room(iso_brick_sink *sink, int array, size_t count) {
     size_t used = sink->part ? sink->part->used[array / ISO_SPAN_ARRAYS] : heap->end,
            bytes = sink->set->kernel.item_bytes[array];
     /* one item more than needed, so that the result is not NULL for a count of 0 */
-    iso_status status = iso_buffer_reserve(buffer, (used + count + 1) * bytes, used * bytes, sink->error);
+    size_t wanted = (used + count + 1) * bytes;
+    if (!sink->part && wanted > buffer->bytes) {
+        const size_t foreseen =
+            iso_foresee_bytes(used * bytes, sink->set->full ? sink->set->extracted : 0, sink->total);
+        if (foreseen > wanted) wanted = foreseen;
+    }
+    iso_status status = iso_buffer_reserve(buffer, wanted, used * bytes, sink->error);
     if (status == ISO_OK) return (char *)buffer->data + used * bytes;
     sink->status = status;
     return NULL;
@@ -280,11 +288,26 @@ static void set_locations(iso_brick_set *set, chunk *part) {
     }
 }
 
+/* Reserves the set's arrays for a chunk that does not fit in them, and for what is foreseen. */
+static iso_status make_room(extraction *work, const chunk *part) {
+    iso_brick_set *set = work->set;
+    for (int i = 0; i < ISO_SET_ARRAYS; i++) {
+        iso_span_heap *heap = &set->heap[i / ISO_SPAN_ARRAYS];
+        iso_buffer *array = &heap->array[i % ISO_SPAN_ARRAYS];
+        const size_t bytes = set->kernel.item_bytes[i], used = heap->end * bytes;
+        if (used + part->used[i / ISO_SPAN_ARRAYS] * bytes > array->bytes)
+            ISO_TRY(iso_buffer_reserve(array, iso_foresee_bytes(used, set->extracted, work->count), used,
+                                       work->error));
+    }
+    return ISO_OK;
+}
+
 static bool store_chunk(void *context, size_t number, bool alone) {
     extraction *work = context;
     iso_brick_set *set = work->set;
     chunk *part = chunk_at(set, number);
     if (!alone && !fits_in_place(set, part)) return false;
+    if (alone && set->full && work->status == ISO_OK) work->status = make_room(work, part);
     while (part->stored < part->count && work->status == ISO_OK) {
         work->status = store_result(set, &part->results[part->stored], work->error);
         if (work->status == ISO_OK) part->stored++;
@@ -347,7 +370,7 @@ static iso_status extract_bricks(iso_brick_set *set, const uint32_t *bricks, siz
                  chunks = (count + CHUNK_BRICKS - 1) / CHUNK_BRICKS;
     if (set->full && set->kernel.extract_many && workers == 1) {
         ISO_TRY(iso_buffer_reserve(&set->scratch, set->kernel.scratch_bytes, 0, error));
-        iso_brick_sink sink = {.set = set, .scratch = set->scratch.data, .error = error};
+        iso_brick_sink sink = {.set = set, .total = count, .scratch = set->scratch.data, .error = error};
         for (size_t i = 0; i < count && !iso_brick_sink_failed(&sink) && !iso_pool_ask(set->pool);
              i += ASKED_BRICKS)
             extract_present(&sink, bricks + i, count - i < ASKED_BRICKS ? count - i : ASKED_BRICKS);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/foresee.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 
@@ -25,6 +26,10 @@ void iso_advise_order(void *block, size_t bytes, bool random) {
 }
 bool iso_size_multiply(size_t a, size_t b, size_t *out) {
     return !__builtin_mul_overflow(a, b, out);
+}
+size_t iso_foresee_bytes(size_t used, size_t done, size_t total) {
+    (void)used, (void)done, (void)total;
+    return 0;
 }
 iso_status iso_buffer_reserve(iso_buffer *buffer, size_t bytes, size_t keep, iso_error *error) {
     if (bytes <= buffer->bytes) return ISO_OK;

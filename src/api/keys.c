@@ -161,8 +161,10 @@ static iso_status describe_volume(iso_keys *keys, const iso_rgrid *voxels, iso_e
     return ISO_OK;
 }
 
-/* Whether the volume's bricks are those of the whole, so that its voxels can be used where they are. */
-static bool can_view(const iso_keys_part *part, const iso_grid_chunk *chunk) {
+/* Whether the voxels can be used where they are. Exact reads none that the part does not need; points read
+ * whole bricks, so the volume must have those of the whole. */
+static bool can_view(const iso_keys *keys, const iso_keys_part *part, const iso_grid_chunk *chunk) {
+    if (is_exact(keys)) return true;
     for (int axis = 0; axis < 3; axis++)
         if (part->origin[axis] % ISO_BRICK || part->origin[axis] > ISO_BRICK * chunk->origin[axis])
             return false;
@@ -188,8 +190,8 @@ static void copy_voxels(const iso_rgrid *from, const int origin[3], const iso_gr
 }
 
 /* Makes the chunk's grid, of the volume's voxels where they are, or of a copy of them. */
-static iso_status make_grid(const iso_keys_part *part, const iso_grid_chunk *chunk, iso_rgrid **grid,
-                            iso_error *error) {
+static iso_status make_grid(const iso_keys *keys, const iso_keys_part *part, const iso_grid_chunk *chunk,
+                            iso_rgrid **grid, iso_error *error) {
     const iso_rgrid *voxels = part->volume->grid.rgrid;
     const size_t bytes = iso_type_size(voxels->type);
     iso_rgrid_desc desc = {.dims = {chunk->size[0], chunk->size[1], chunk->size[2]},
@@ -198,12 +200,13 @@ static iso_status make_grid(const iso_keys_part *part, const iso_grid_chunk *chu
                            .offset = voxels->offset,
                            .transform = &chunk->transform,
                            .level_set = voxels->level_set};
-    const bool viewed = can_view(part, chunk);
+    const bool viewed = can_view(keys, part, chunk);
     if (viewed) {
         ptrdiff_t shift = ISO_BRICK * chunk->origin[0] - part->origin[0];
         shift += (ISO_BRICK * chunk->origin[1] - part->origin[1]) * voxels->stride_y;
         shift += (ISO_BRICK * chunk->origin[2] - part->origin[2]) * voxels->stride_z;
-        desc.data = (char *)voxels->data + shift * (ptrdiff_t)bytes;
+        /* The first voxel of the chunk's grid may lie before the array, and is not read then. */
+        desc.data = (void *)((uintptr_t)voxels->data + (uintptr_t)(shift * (ptrdiff_t)bytes));
     }
     ISO_TRY(iso_rgrid_create(&desc, grid, error));
     if (viewed) {
@@ -227,7 +230,7 @@ static iso_status with_part(iso_keys *keys, const iso_keys_part *part, use_part 
     if (keys->of_files) return iso_fail(error, ISO_ERR_USAGE, "keys that were read have all parts already");
     ISO_TRY(make_chunk(keys, part, &chunk, error));
     ISO_TRY(describe_volume(keys, part->volume->grid.rgrid, error));
-    ISO_TRY(make_grid(part, &chunk, &grid, error));
+    ISO_TRY(make_grid(keys, part, &chunk, &grid, error));
     const iso_status status = use(keys, &chunk, grid, error);
     iso_rgrid_destroy(grid);
     return status;
@@ -292,7 +295,7 @@ static iso_status draw_cells(iso_keys *keys, const iso_grid_chunk *chunk, iso_rg
     const iso_exact_key_picture picture = {
         &view, {color[0], color[1], color[2]}, &keys->file.keys, keys->pool, NULL};
     iso_exact *exact = NULL;
-    ISO_TRY(iso_exact_chunk_extract(grid, chunk, keys->file.surface.isovalue, keys->pool, &exact, error));
+    ISO_TRY(iso_exact_chunk_create(grid, chunk, keys->file.surface.isovalue, keys->pool, &exact, error));
     const iso_status status = iso_draw_exact_keys(&picture, exact, error);
     iso_exact_destroy(exact);
     return status;

@@ -112,7 +112,8 @@ static bool complete_strides(const iso_lend_opts *opts, ptrdiff_t *y, ptrdiff_t 
     return *z >= plane && *z <= PTRDIFF_MAX / (ptrdiff_t)sizeof(float) / dims[2];
 }
 
-/* Creates the grid of a lent array and its brick index. From then on the grid releases the array. */
+/* Creates the grid of a lent array, which it releases from then on. The voxels are read when something asks
+ * for the grid's index: parts of a picture (isopoint_parts.h) do without. */
 static iso_status lend(const iso_rgrid_desc *desc, ptrdiff_t y, ptrdiff_t z, iso_api_volume *volume,
                        iso_error *error) {
     iso_rgrid **grid = &volume->volume.grid.rgrid;
@@ -120,7 +121,7 @@ static iso_status lend(const iso_rgrid_desc *desc, ptrdiff_t y, ptrdiff_t z, iso
     (*grid)->stride_y = y;
     (*grid)->stride_z = z;
     describe_lent(*grid, &volume->volume.info);
-    return iso_brick_index_of(*grid, volume->pool, NULL, error);
+    return ISO_OK;
 }
 
 iso_status iso_volume_lend(const iso_lend_opts *opts, iso_volume **volume, iso_error *error) {
@@ -192,8 +193,10 @@ iso_status iso_volume_voxels(const iso_volume *volume, iso_voxels *voxels, iso_e
 
 iso_status iso_volume_histogram(iso_volume *volume, iso_histogram *histogram, iso_error *error) {
     iso_api_volume *own = iso_api_volume_of(volume);
+    iso_rgrid *dense = volume->grid.rgrid;
     iso_api_watch_begin(own->pool, &own->watch);
-    const iso_status status = iso_histogram_compute(&volume->grid, own->pool, histogram, error);
+    iso_status status = dense ? iso_brick_index_with_counts(dense, own->pool, error) : ISO_OK;
+    if (status == ISO_OK) status = iso_histogram_compute(&volume->grid, own->pool, histogram, error);
     iso_api_watch_end(own->pool);
     return status;
 }
@@ -225,7 +228,7 @@ iso_status iso_volume_crop(iso_volume *volume, const int lo[3], const int hi[3],
     }
     memcpy(volume->info.dims, iso_grid_dims(grid), sizeof volume->info.dims);
     volume->info.transform = *iso_grid_transform(grid);
-    return grid->rgrid ? iso_brick_index_of(grid->rgrid, own->pool, NULL, error) : ISO_OK;
+    return ISO_OK;
 }
 
 iso_status iso_volume_changed(iso_volume *volume, const int lo[3], const int hi[3], iso_error *error) {

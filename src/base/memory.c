@@ -69,6 +69,11 @@ bool iso_memory_was_refused(void) {
     return atomic_load(&refused);
 }
 
+bool iso_memory_has_room(size_t bytes) {
+    const long long left = atomic_load(&most_allocated) - atomic_load(&allocated);
+    return left > 0 && (uint64_t)bytes < (uint64_t)left;
+}
+
 /* ---- blocks in files */
 
 enum { FILE_BLOCK_LEAST = 1 << 20 };

@@ -46,6 +46,9 @@ void *iso_alloc_zero(size_t count, size_t size);
 void iso_memory_set_limit(uint64_t bytes);
 /* Whether the limit has ever refused a block. */
 bool iso_memory_was_refused(void);
+/* Whether so many bytes more stay below the limit, so that a block may be larger than what is known to be
+ * needed. */
+bool iso_memory_has_room(size_t bytes);
 
 /* Lets blocks of 1 MiB and more lie in files without names in TMPDIR (/tmp) when all blocks together would
  * take more than the limit minus a reserve: a quarter of the limit, at most 256 MiB. Such blocks do not count

@@ -1,24 +1,17 @@
 /* chunks: extracts, measures and draws one chunk after the other. */
 #include "exact/chunks.h"
 
-iso_status iso_exact_chunk_extract(iso_rgrid *voxels, const iso_grid_chunk *chunk, double isovalue,
-                                   iso_pool *pool, iso_exact **exact, iso_error *error) {
+iso_status iso_exact_chunk_create(iso_rgrid *voxels, const iso_grid_chunk *chunk, double isovalue,
+                                  iso_pool *pool, iso_exact **exact, iso_error *error) {
     const iso_grid grid = {.rgrid = voxels};
     const iso_exact_opts opts = {.isovalue = isovalue, .pool = pool, .chunk = chunk};
-    iso_exact *made = NULL;
-    ISO_TRY(iso_exact_create(&grid, &opts, &made, error));
-    const iso_status status = iso_exact_update(made, error);
-    if (status == ISO_OK)
-        *exact = made;
-    else
-        iso_exact_destroy(made);
-    return status;
+    return iso_exact_create(&grid, &opts, exact, error);
 }
 
-static iso_status extract(const iso_chunk_walk *walk, const iso_chunk_visit *visit, iso_exact **exact,
-                          iso_error *error) {
+static iso_status create(const iso_chunk_walk *walk, const iso_chunk_visit *visit, iso_exact **exact,
+                         iso_error *error) {
     const iso_chunk_walk_opts *walked = iso_chunk_walk_opts_of(walk);
-    return iso_exact_chunk_extract(visit->grid, visit->chunk, walked->isovalue, walked->pool, exact, error);
+    return iso_exact_chunk_create(visit->grid, visit->chunk, walked->isovalue, walked->pool, exact, error);
 }
 
 typedef struct bounds_visit {
@@ -35,7 +28,8 @@ static void add_box(iso_box *all, const iso_box *box) {
 static iso_status add_bounds(void *context, const iso_chunk_visit *visit, iso_error *error) {
     const bounds_visit *all = context;
     iso_exact *exact = NULL;
-    iso_status status = extract(all->walk, visit, &exact, error);
+    iso_status status = create(all->walk, visit, &exact, error);
+    if (status == ISO_OK) status = iso_exact_update(exact, error);
     for (int i = 0; i < all->bounds->count && status == ISO_OK; i++) {
         const iso_box box = iso_exact_bounds(exact, all->bounds->affines[i]);
         add_box(&all->bounds->boxes[i], &box);
@@ -60,7 +54,7 @@ typedef struct keys_visit {
 static iso_status draw_keys(void *context, const iso_chunk_visit *visit, iso_error *error) {
     const keys_visit *keys = context;
     iso_exact *exact = NULL;
-    iso_status status = extract(keys->walk, visit, &exact, error);
+    iso_status status = create(keys->walk, visit, &exact, error);
     if (status == ISO_OK) status = iso_draw_exact_keys(keys->picture, exact, error);
     iso_exact_destroy(exact);
     return status;

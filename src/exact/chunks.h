@@ -6,10 +6,10 @@
 #include "exact/exact.h"
 #include "grids/chunk_walk.h"
 
-/* Extracts the cells of a chunk; destroy them before `voxels`, the chunk's grid. Errors as
+/* Creates the surface of a chunk, without cells; destroy it before `voxels`, the chunk's grid. Errors as
  * iso_exact_create. */
-iso_status iso_exact_chunk_extract(iso_rgrid *voxels, const iso_grid_chunk *chunk, double isovalue,
-                                   iso_pool *pool, iso_exact **exact, iso_error *error);
+iso_status iso_exact_chunk_create(iso_rgrid *voxels, const iso_grid_chunk *chunk, double isovalue,
+                                  iso_pool *pool, iso_exact **exact, iso_error *error);
 
 /* Computes the boxes of the surface in several coordinates (as iso_exact_bounds: affines[i] may be NULL),
  * and the number of its cells. Errors as iso_chunk_walk_visit. */

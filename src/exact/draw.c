@@ -17,6 +17,7 @@ typedef struct exact_draw {
     iso_rows rows; /* that are drawn */
     int band_count;
     iso_exact_scratch *scratch; /* by worker */
+    iso_exact_single *singles;  /* by worker, of a key image */
     atomic_size_t covered;      /* samples that show the surface; set when a picture is painted */
     /* A picture of several samples a pixel, else NULL and 1; `samples` has `room` items for each worker. */
     const iso_exact_picture *averaged;
@@ -114,10 +115,15 @@ static iso_status draw_started_frame(exact_draw *draw, iso_error *error) {
     const int rows = (pixel_rows + draw->band_count - 1) / draw->band_count * draw->factor;
     draw->room = (size_t)rows * (size_t)width;
     if (draw->averaged) draw->samples = iso_alloc(workers * draw->room * sizeof *draw->samples);
+    const bool keys = draw->frame.projection.paint && draw->frame.projection.paint->keys;
+    if (keys) draw->singles = iso_alloc(workers * sizeof *draw->singles);
     draw->scratch = iso_exact_scratch_create(workers, width, rows);
-    const bool ready = draw->scratch && (draw->samples || !draw->averaged);
+    const bool ready = draw->scratch && (draw->samples || !draw->averaged) && (draw->singles || !keys);
+    for (size_t worker = 0; ready && keys && worker < workers; worker++)
+        draw->scratch[worker].single = &draw->singles[worker];
     if (ready) iso_parallel_until(target->pool, (size_t)draw->band_count, draw_band, draw);
     iso_free(draw->scratch);
+    iso_free(draw->singles);
     iso_free(draw->samples);
     return ready ? ISO_OK : iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing cells");
 }
@@ -179,7 +185,6 @@ iso_status iso_paint_exact(const iso_exact_picture *picture, const iso_exact *ex
 
 iso_status iso_draw_exact_keys(const iso_exact_key_picture *picture, const iso_exact *exact,
                                iso_error *error) {
-    if (!exact->sorted || exact->set.span_count == 0) return ISO_OK;
     iso_gbuffer size = {.width = picture->view->width, .height = picture->view->height};
     const iso_target target = {
         .view = picture->view, .gbuffer = &size, .pool = picture->pool, .clip = picture->clip};

@@ -13,11 +13,6 @@ static const iso_halo HALO = {.down = 1, .up = 0};
 
 enum { LATTICE = ISO_EXACT_LATTICE };
 
-typedef struct exact_scratch {
-    iso_exact_output output;
-    float window[LATTICE * LATTICE * LATTICE]; /* voxels of the grid's type, at most as large as floats */
-} exact_scratch;
-
 /* ---- one brick */
 
 static void count_cells(const int *dims, const int brick[3], int cells[3]) {
@@ -105,18 +100,22 @@ static float isovalue_of(const void *context) {
     return ((const iso_exact *)context)->surface.isovalue_ceil;
 }
 
-static void extract_brick(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
-    const iso_exact *exact = context;
-    exact_scratch *scratch = memory;
-    iso_exact_output *made = &scratch->output;
+bool iso_exact_find_cells(const iso_exact *exact, const int brick[3], iso_exact_extraction *extraction) {
     iso_exact_source source = {.isovalue_ceil = exact->surface.isovalue_ceil};
     count_cells(iso_grid_dims(&exact->grid), brick, source.cells);
-    if (source.cells[0] < 1 || source.cells[1] < 1 || source.cells[2] < 1) return;
+    if (source.cells[0] < 1 || source.cells[1] < 1 || source.cells[2] < 1) return false;
     if (exact->grid.rgrid)
-        set_rgrid_source(exact->grid.rgrid, brick, &source, scratch->window);
+        set_rgrid_source(exact->grid.rgrid, brick, &source, extraction->window);
     else
-        set_hgrid_source(exact->grid.hgrid, brick, &source, scratch->window);
-    exact->extract(&source, made);
+        set_hgrid_source(exact->grid.hgrid, brick, &source, extraction->window);
+    exact->extract(&source, &extraction->output);
+    return true;
+}
+
+static void extract_brick(const void *context, const int brick[3], void *memory, iso_brick_output *output) {
+    iso_exact_extraction *extraction = memory;
+    const iso_exact_output *made = &extraction->output;
+    if (!iso_exact_find_cells(context, brick, extraction)) return;
     *output = (iso_brick_output){.count = {made->octants, made->groups}, .own = made->cells};
     output->items[0] = made->octant;
     output->items[ISO_SPAN_ARRAYS] = made->corners;
@@ -168,7 +167,7 @@ iso_status iso_exact_create(const iso_grid *grid, const iso_exact_opts *opts, is
     const iso_brick_kernel kernel = {
         .item_bytes =
             {[0] = sizeof(iso_exact_octant), [ISO_SPAN_ARRAYS] = iso_exact_group_bytes(exact->type)},
-        .scratch_bytes = sizeof(exact_scratch),
+        .scratch_bytes = sizeof(iso_exact_extraction),
         .span_bytes = sizeof(iso_exact_span),
         .halo = HALO,
         .may_exist = may_exist,

@@ -80,9 +80,11 @@ typedef struct iso_exact_key_picture {
 } iso_exact_key_picture;
 
 /* Draws the surface, or the chunk of it that the iso_exact has, into a key image: (the brick's place in the
- * drawing order of the whole) << 32 | RGBA. When all chunks of a surface have been drawn, each once, in any
- * order and into any number of key images that are then merged, iso_key_image_paint makes of them the bytes
- * of iso_paint_exact: a pixel belongs to the first cell of that order that its ray crosses. ISO_ERR_NOMEM. */
+ * drawing order of the whole) << 32 | RGBA. The iso_exact need not have been updated: bricks that the picture
+ * may still show are read when they are met, and drawn without being stored. When all chunks of a surface
+ * have been drawn, each once, in any order and into any number of key images that are then merged,
+ * iso_key_image_paint makes of them the bytes of iso_paint_exact: a pixel belongs to the first cell of that
+ * order that its ray crosses. ISO_ERR_NOMEM. */
 iso_status iso_draw_exact_keys(const iso_exact_key_picture *picture, const iso_exact *exact,
                                iso_error *error);
 

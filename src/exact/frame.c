@@ -2,14 +2,12 @@
  * octants of the bricks that have free pixels in it. */
 #include "exact/frame.h"
 
-#include <limits.h>
 #include <stddef.h>
 #include <string.h>
 
 #include "base/memory.h"
 
 enum {
-    SPANS_PER_TASK = 64,
     MOST_COLUMNS = 1 << 16, /* the kernels keep a pixel as y << 16 | x, signed */
     MOST_ROWS = 1 << 15,
     OCTANTS_AT_ONCE = 32 /* at least so many are drawn at once: a kernel fetches the next one in advance */
@@ -34,30 +32,49 @@ static void order_spans(iso_exact_frame *frame) {
             for (uint32_t i = middle; i < rows[row + 1]; i++) frame->order[count++] = order[i];
             for (uint32_t i = middle; i > rows[row]; i--) frame->order[count++] = order[i - 1];
         }
-    frame->span_count = count;
+    frame->brick_count = count;
+}
+
+/* Whether a frame draws bricks that it extracts itself. */
+static bool extracts(const iso_exact_frame *frame) {
+    return frame->projection.paint && frame->projection.paint->keys;
+}
+
+/* The brick of the whole with a number of frame->order. */
+static void locate(const iso_exact_frame *frame, uint32_t number, int32_t brick[3]) {
+    if (extracts(frame))
+        iso_exact_locate_brick(frame, number, brick);
+    else
+        memcpy(brick, iso_exact_spans(frame->projection.exact)[number].brick, 3 * sizeof *brick);
 }
 
 static void list_task_bricks(void *context, size_t index, int worker) {
     (void)worker;
     iso_exact_frame *frame = context;
-    iso_exact_visible_brick *visible = frame->visible + index * SPANS_PER_TASK;
-    size_t end = (index + 1) * SPANS_PER_TASK;
-    if (end > frame->span_count) end = frame->span_count;
+    iso_exact_visible_brick *visible = frame->visible + index * ISO_EXACT_BRICKS_PER_TASK;
+    size_t end = (index + 1) * ISO_EXACT_BRICKS_PER_TASK;
+    if (end > frame->brick_count) end = frame->brick_count;
     int count = 0;
-    for (size_t i = index * SPANS_PER_TASK; i < end; i++)
-        count += iso_exact_brick_is_visible(&frame->projection, frame->order[i], visible + count);
+    for (size_t i = index * ISO_EXACT_BRICKS_PER_TASK; i < end; i++) {
+        int32_t brick[3];
+        visible[count].number = frame->order[i];
+        locate(frame, frame->order[i], brick);
+        count += iso_exact_brick_is_visible(&frame->projection, brick, &visible[count].box);
+    }
     frame->visible_count[index] = count;
 }
 
 static iso_status alloc_frame(iso_exact_frame *frame, iso_error *error) {
     const iso_exact *exact = frame->projection.exact;
-    const size_t spans = exact->set.span_count;
-    frame->task_count = exact->sorted ? (spans + SPANS_PER_TASK - 1) / SPANS_PER_TASK : 0;
-    frame->order = iso_alloc(spans * sizeof *frame->order);
-    frame->visible = iso_alloc(frame->task_count * SPANS_PER_TASK * sizeof *frame->visible);
+    const size_t bricks = extracts(frame) ? iso_exact_count_bricks(exact)
+                          : exact->sorted ? exact->set.span_count
+                                          : 0;
+    frame->task_count = (bricks + ISO_EXACT_BRICKS_PER_TASK - 1) / ISO_EXACT_BRICKS_PER_TASK;
+    frame->order = iso_alloc(bricks * sizeof *frame->order);
+    frame->visible = iso_alloc(frame->task_count * ISO_EXACT_BRICKS_PER_TASK * sizeof *frame->visible);
     frame->visible_count = iso_alloc(frame->task_count * sizeof *frame->visible_count);
     if (frame->order && frame->visible && frame->visible_count) return ISO_OK;
-    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing %zu bricks of cells", spans);
+    return iso_fail(error, ISO_ERR_NOMEM, "out of memory for drawing %zu bricks of cells", bricks);
 }
 
 iso_status iso_exact_frame_start(iso_exact_frame *frame, iso_error *error) {
@@ -71,7 +88,10 @@ iso_status iso_exact_frame_start(iso_exact_frame *frame, iso_error *error) {
     frame->projection.gradients = iso_exact_gradients_get(grid, iso_cpu_best());
     frame->projection.voxels = iso_exact_voxels_of(grid);
     ISO_TRY(alloc_frame(frame, error));
-    if (frame->task_count) order_spans(frame);
+    if (extracts(frame))
+        iso_exact_order_bricks(frame);
+    else if (frame->task_count)
+        order_spans(frame);
     iso_parallel_for(frame->projection.target->pool, frame->task_count, list_task_bricks, frame);
     return ISO_OK;
 }
@@ -80,25 +100,6 @@ void iso_exact_frame_free(iso_exact_frame *frame) {
     iso_free(frame->order);
     iso_free(frame->visible);
     iso_free(frame->visible_count);
-}
-
-bool iso_exact_frame_limit(iso_exact_frame *frame, int pixels[4]) {
-    const iso_exact *exact = frame->projection.exact;
-    pixels[0] = pixels[2] = INT_MAX;
-    pixels[1] = pixels[3] = -1;
-    for (size_t task = 0; task < frame->task_count; task++)
-        for (int i = 0; i < frame->visible_count[task]; i++) {
-            const iso_exact_box *box = &frame->visible[task * SPANS_PER_TASK + (size_t)i].box;
-            if (box->x0 < pixels[0]) pixels[0] = box->x0;
-            if (box->x1 > pixels[1]) pixels[1] = box->x1;
-            if (box->y0 < pixels[2]) pixels[2] = box->y0;
-            if (box->y1 > pixels[3]) pixels[3] = box->y1;
-        }
-    if (pixels[1] < 0) return false;
-    frame->least = iso_exact_place(&frame->projection, iso_exact_spans(exact)[frame->order[0]].brick);
-    frame->columns[0] = pixels[0];
-    frame->columns[1] = pixels[1];
-    return true;
 }
 
 /* Makes those pixels of a row of the band free that do not belong to a brick in front of all listed ones. */
@@ -164,11 +165,16 @@ void iso_exact_frame_draw(const iso_exact_frame *frame, iso_rows rows, iso_exact
     iso_exact_visible octants[OCTANTS_AT_ONCE + ISO_EXACT_OCTANTS];
     int count = 0, clip[4];
     start_band(frame, rows, scratch);
+    if (extracts(frame)) {
+        iso_exact_draw_bricks(frame, scratch);
+        return;
+    }
     for (size_t task = 0; task < frame->task_count; task++)
         for (int i = 0; i < frame->visible_count[task]; i++) {
-            const iso_exact_visible_brick *brick = &frame->visible[task * SPANS_PER_TASK + (size_t)i];
+            const iso_exact_visible_brick *brick =
+                &frame->visible[task * ISO_EXACT_BRICKS_PER_TASK + (size_t)i];
             if (!iso_exact_is_open(scratch, &brick->box, clip)) continue;
-            count += iso_exact_list_visible_octants(&frame->projection, brick->span, octants + count);
+            count += iso_exact_list_visible_octants(&frame->projection, brick->number, octants + count);
             if (count < OCTANTS_AT_ONCE) continue;
             frame->kernel->draw(&frame->projection, octants, count, scratch);
             count = 0;

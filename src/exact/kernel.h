@@ -155,10 +155,11 @@ typedef struct iso_exact_cut {
 
 /* The working memory of one worker, for one band of rows at a time. */
 typedef struct iso_exact_scratch {
-    iso_rows rows;          /* the band */
-    iso_layer_lists *lists; /* of the band; only for the kernel that lists layers */
-    int words;              /* 64-bit words of `open` per row; the last one is always 0 */
-    uint64_t *open;         /* bit x & 63 of word x / 64 of row y - rows.first: the pixel is still free */
+    iso_rows rows;            /* the band */
+    iso_exact_single *single; /* of key images: for bricks, which are extracted as they are drawn */
+    iso_layer_lists *lists;   /* of the band; only for the kernel that lists layers */
+    int words;                /* 64-bit words of `open` per row; the last one is always 0 */
+    uint64_t *open;           /* bit x & 63 of word x / 64 of row y - rows.first: the pixel is still free */
 
     /* The octant that is being drawn. Arrays of ISO_EXACT_CELL_ROOM items are indexed by the number of the
      * crossed cell in the octant. */

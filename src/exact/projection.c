@@ -193,14 +193,12 @@ static bool is_in_picture(const iso_exact_projection *projection, const double c
     return true;
 }
 
-bool iso_exact_brick_is_visible(const iso_exact_projection *projection, uint32_t number,
-                                iso_exact_visible_brick *visible) {
-    const iso_exact_span *span = &iso_exact_spans(projection->exact)[number];
+bool iso_exact_brick_is_visible(const iso_exact_projection *projection, const int32_t brick[3],
+                                iso_exact_box *box) {
     double centre[3];
     const double half[3] = {0.5 * ISO_BRICK, 0.5 * ISO_BRICK, 0.5 * ISO_BRICK};
-    for (int axis = 0; axis < 3; axis++) centre[axis] = (double)ISO_BRICK * span->brick[axis] + half[axis];
-    visible->span = number;
-    return is_in_picture(projection, centre, half, &visible->box);
+    for (int axis = 0; axis < 3; axis++) centre[axis] = (double)ISO_BRICK * brick[axis] + half[axis];
+    return is_in_picture(projection, centre, half, box);
 }
 
 int iso_exact_list_visible_octants(const iso_exact_projection *projection, uint32_t number,

@@ -68,7 +68,7 @@ typedef struct iso_exact_box {
 
 /* A brick and the pixels that its cells can touch. */
 typedef struct iso_exact_visible_brick {
-    uint32_t span; /* index in the set's array of spans */
+    uint32_t number; /* the index of its span in the set's array; for key images its number in the grid */
     iso_exact_box box;
 } iso_exact_visible_brick;
 
@@ -131,9 +131,9 @@ static inline uint32_t iso_exact_place(const iso_exact_projection *projection, c
     return place;
 }
 
-/* Whether the picture can show the brick of a span; sets `visible` then. */
-bool iso_exact_brick_is_visible(const iso_exact_projection *projection, uint32_t span,
-                                iso_exact_visible_brick *visible);
+/* Whether the picture can show a brick of the whole; sets `box` to its pixels then. */
+bool iso_exact_brick_is_visible(const iso_exact_projection *projection, const int32_t brick[3],
+                                iso_exact_box *box);
 
 /* Writes the octants of a visible brick that the picture can show, front to back; returns their number (up to
  * ISO_EXACT_OCTANTS). */

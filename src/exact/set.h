@@ -27,6 +27,24 @@ struct iso_exact {
     size_t cells;
 };
 
+/* Working memory for extracting a brick. */
+typedef struct iso_exact_extraction {
+    iso_exact_output output;
+    /* voxels of the grid's type, at most as large as floats */
+    float window[ISO_EXACT_LATTICE * ISO_EXACT_LATTICE * ISO_EXACT_LATTICE];
+} iso_exact_extraction;
+
+/* Finds the crossed cells of a brick of the grid; false: it has no cells at all. */
+bool iso_exact_find_cells(const iso_exact *exact, const int brick[3], iso_exact_extraction *extraction);
+
+/* An iso_exact of the cells of one brick at a time, which are extracted to be drawn and not stored. Large:
+ * one for each worker. */
+typedef struct iso_exact_single {
+    iso_exact exact; /* whose only span is `span` */
+    iso_exact_span span;
+    iso_exact_extraction extraction;
+} iso_exact_single;
+
 static inline const iso_exact_span *iso_exact_spans(const iso_exact *exact) {
     return (const iso_exact_span *)exact->set.spans.data;
 }
