@@ -29,8 +29,8 @@ void iso_coloring_set_grid(iso_coloring *coloring, const iso_grid *grid);
 
 /* The number at a point. NaN, which is coloured in the neutral gray of iso_color_bar_at: BY_NORMAL; where
  * the volume is not finite or a vertex has no number, and outside of the volume, which is beyond half a
- * voxel from its outermost voxels' centres. near: as iso_surface_colors.at. Thread-safe. */
-double iso_coloring_number(const iso_coloring *coloring, const iso_colored_point *point, size_t *near);
+ * voxel from its outermost voxels' centres. nearby: as iso_surface_colors.at. Thread-safe. */
+double iso_coloring_number(const iso_coloring *coloring, const iso_colored_point *point, iso_nearby *nearby);
 
 /* The colours of all points; borrows the coloring. */
 iso_surface_colors iso_coloring_colors(const iso_coloring *coloring);
