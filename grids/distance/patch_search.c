@@ -21,6 +21,9 @@ enum { MOST = 1024, FEW = 16, MANY = 512 };
 /* The radius at first and at least, of a voxel; and at most, of the distance. */
 static const double RADIUS = 1, LEAST_RADIUS = 1, MOST_RADIUS = 0.25;
 
+/* Of the radius: there are candidates only where points are so close to each other. */
+static const double CLOSE = 0.3;
+
 /* A search from a triangle is taken to end where another one has ended if the start is so near to that end:
  * so many times the triangle's slack and so much of a voxel. ROUNDING: of a voxel. */
 static const double SAME_SLACK = 0.5, SAME_VOXEL = 0.02, ROUNDING = 1e-9;
@@ -38,6 +41,7 @@ typedef struct candidate {
 
 /* What iso_nearby keeps. */
 typedef struct candidates {
+    double last[3]; /* the point before */
     double centre[3], radius;
     double next_radius; /* of the next centre */
     int count, points;  /* 0: there are none; how many distances were found by them */
@@ -341,6 +345,7 @@ static candidates *find_candidates(const iso_patch_tree *tree, iso_nearby *nearb
     kept->count = 0;
     kept->points = FEW;
     kept->next_radius = RADIUS * tree->metric.voxel;
+    for (int axis = 0; axis < 3; axis++) kept->last[axis] = INFINITY;
     return kept;
 }
 
@@ -357,9 +362,14 @@ double iso_patch_search(const iso_patch_tree *tree, iso_vec3 p, iso_nearby *near
         measure_triangles(&s, guess, &triangles);
         improve(&s, nearby->last, search_patch(&s, guess, &triangles, NULL, INFINITY, at), at);
         if (kept) begin(&s, kept);
+        if (kept && !(squared_between(kept->last, s.p) < CLOSE * CLOSE * kept->radius * kept->radius)) {
+            s.kept = NULL;
+            kept->points = FEW;
+        }
         search_tree(&s);
         if (s.kept) end(&s, kept);
     }
     nearby->last = s.patch;
+    for (int axis = 0; axis < 3 && kept; axis++) kept->last[axis] = s.p[axis];
     return s.best;
 }
