@@ -117,22 +117,39 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The middle of the numbers but for 2 % at each end; of signed ones as much on both sides of 0. Returns
- * how many numbers there are. */
-static size_t set_range(double *numbers, size_t count, bool both_sides, iso_color_bar *bar) {
+/* The range of signed numbers, which are sorted and become their absolute values: that of all but the 2 % that
+ * are the largest, on both sides of 0 unless all but 2 % have one sign. */
+static void set_signed_range(double *numbers, size_t count, iso_color_bar *bar) {
+    const size_t few = (count - 1) / 50;
+    const bool none_below = numbers[few] >= 0, none_above = numbers[count - 1 - few] <= 0;
+    for (size_t i = 0; i < count; i++) numbers[i] = fabs(numbers[i]);
+    qsort(numbers, count, sizeof *numbers, compare);
+    const double most = numbers[count - 1 - few];
+    bar->low = none_below ? 0 : -most;
+    bar->high = none_above && !none_below ? 0 : most;
+}
+
+/* The middle of the numbers but for 2 % at each end. Returns how many numbers there are. */
+static size_t set_range(double *numbers, size_t count, bool have_signs, iso_color_bar *bar) {
     size_t good = 0;
     for (size_t i = 0; i < count; i++)
-        if (isfinite(numbers[i])) numbers[good++] = both_sides ? fabs(numbers[i]) : numbers[i];
+        if (isfinite(numbers[i])) numbers[good++] = numbers[i];
     bar->low = 0;
     bar->high = 1;
     if (!good) return 0;
     qsort(numbers, good, sizeof *numbers, compare);
     const size_t low = (good - 1) / 50, high = good - 1 - low;
     bar->high = numbers[high];
-    bar->low = both_sides ? -bar->high : numbers[low];
+    bar->low = numbers[low];
+    if (have_signs) set_signed_range(numbers, good, bar);
     /* numbers that differ by rounding alone have one colour */
     if (bar->high - bar->low <= 1e-5 * fmax(fabs(bar->low), fabs(bar->high))) bar->low = bar->high;
     return good;
+}
+
+iso_colormap iso_coloring_usual_map(iso_color_source source, const iso_color_bar *bar) {
+    const bool one_sided = bar->high > bar->low && (bar->low >= 0 || bar->high <= 0);
+    return iso_color_source_is_signed(source) && !one_sided ? ISO_COLORMAP_COOLWARM : ISO_COLORMAP_VIRIDIS;
 }
 
 /* The numbers at every `step`-th vertex. */

@@ -218,7 +218,20 @@ static void ranges_leave_out_two_percent(void **state) {
                 above >= found / 50 - 1);
     set_source(&f, ISO_COLOR_BY_DISTANCE);
     assert_int_equal(iso_coloring_find_range(&f.coloring, &mesh, NULL, NULL, &points, &found, NULL), ISO_OK);
+    /* a surface at a smaller isovalue lies outside of the other, and all numbers have one sign */
+    assert_true(f.coloring.bar.low == 0 && f.coloring.bar.high > 0);
+    assert_int_equal(iso_coloring_usual_map(ISO_COLOR_BY_DISTANCE, &f.coloring.bar), ISO_COLORMAP_VIRIDIS);
+    /* a plane passes through the surface */
+    iso_grid half = test_rgrid((const int[3]){SIDE, SIDE, SIDE}, ISO_FLOAT32);
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++)
+        test_set(&half, i % SIDE, i / SIDE % SIDE, i / (SIDE * SIDE), i % SIDE);
+    iso_distance_destroy(f.distance);
+    assert_int_equal(iso_distance_of_isosurface(&half, 0.4 * SIDE, NULL, &f.distance, NULL), ISO_OK);
+    set_source(&f, ISO_COLOR_BY_DISTANCE);
+    assert_int_equal(iso_coloring_find_range(&f.coloring, &mesh, NULL, NULL, &points, &found, NULL), ISO_OK);
     assert_true(f.coloring.bar.low == -f.coloring.bar.high && f.coloring.bar.high > 0);
+    assert_int_equal(iso_coloring_usual_map(ISO_COLOR_BY_DISTANCE, &f.coloring.bar), ISO_COLORMAP_COOLWARM);
+    iso_grid_destroy(&half);
     f.data.rgrid->transform.origin[0] = 500;
     set_source(&f, ISO_COLOR_BY_VOLUME);
     assert_int_equal(iso_coloring_find_range(&f.coloring, &mesh, NULL, NULL, &points, &found, NULL), ISO_OK);
