@@ -6,7 +6,7 @@
 #include "grids/distance/patch_tree.h"
 
 /* The distance, mm, of the surface from p, which is relative to the grid's origin; it depends
- * on *nearby by rounding only. Thread-safe. */
+ * on *nearby by up to 1e-4 voxel. Thread-safe. */
 double iso_patch_search(const iso_patch_tree *tree, iso_vec3 p, iso_nearby *nearby);
 
 #endif

@@ -117,8 +117,8 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The range of signed numbers, which are sorted and become their absolute values: that of all but the 2 % that
- * are the largest, on both sides of 0 unless all but 2 % have one sign. */
+/* The range of signed numbers, which are sorted and become their absolute values: that of all but the 2 %
+ * that are the largest, on both sides of 0 unless all but 2 % have one sign. */
 static void set_signed_range(double *numbers, size_t count, iso_color_bar *bar) {
     const size_t few = (count - 1) / 50;
     const bool none_below = numbers[few] >= 0, none_above = numbers[count - 1 - few] <= 0;

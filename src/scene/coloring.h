@@ -42,11 +42,11 @@ iso_status iso_colorings_paint(const iso_coloring *const *colorings, int count, 
                                iso_gbuffer *gbuffer, iso_pool *pool, iso_error *error);
 
 /* Sets bar.low and bar.high from the numbers at some of a mesh's vertices, evenly many of all its parts:
- * from their 2nd to their 98th percentile; if the source's numbers are signed, as much on both sides of 0,
- * or from 0 on where all between these percentiles have one sign. Wherever the camera is, a surface so has the same range; but BY_DEPTH it is that of the view
- * (which may be NULL otherwise). *points: the number of these vertices; *found: of those where there is a
- * number; with none the range is 0 .. 1. BY_NORMAL nothing is set. The same with every number of threads.
- * `pool` may be NULL. ISO_ERR_NOMEM. */
+ * from their 2nd to their 98th percentile; if the source's numbers are signed, as much on both sides of 0, or
+ * from 0 on where all between these percentiles have one sign. Wherever the camera is, a surface so has the
+ * same range; but BY_DEPTH it is that of the view (which may be NULL otherwise). *points: the number of these
+ * vertices; *found: of those where there is a number; with none the range is 0 .. 1. BY_NORMAL nothing is
+ * set. The same with every number of threads. `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_coloring_find_range(iso_coloring *coloring, const iso_mesh_view *mesh, const iso_view *view,
                                    iso_pool *pool, size_t *points, size_t *found, iso_error *error);
 

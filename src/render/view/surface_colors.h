@@ -16,7 +16,7 @@ typedef struct iso_colored_point {
 /* Thread-safe. */
 typedef struct iso_surface_colors {
     /* The colour of a point. *nearby: is passed from sample to sample of a row, or of another part of a
-     * picture that does not depend on threads; the colour depends on it by rounding only. */
+     * picture that does not depend on threads; the colour hardly depends on it. */
     iso_rgb (*at)(const void *context, const iso_colored_point *point, iso_nearby *nearby);
     const void *context; /* borrowed */
 } iso_surface_colors;
