@@ -656,7 +656,7 @@ typedef struct iso_color_by {
     iso_color_source source;
     iso_volume *volume; /* BY_VOLUME; BY_DISTANCE: of the isosurface at `isovalue` */
     double isovalue;
-    const char *colormap; /* NULL: viridis; by curvature and distance coolwarm */
+    const char *colormap; /* NULL: viridis; for numbers with signs coolwarm */
     double range[2];      /* ascending; both 0: all but 2 % of the surface's numbers at each end */
 } iso_color_by;
 

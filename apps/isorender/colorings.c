@@ -54,8 +54,6 @@ static iso_status deal(isorender_settings *settings, int i, iso_error *error) {
     const int number = columns_of(options) + i;
     ISO_TRY(iso_colormap_choice_parse(isorender_value_for(&options->maps, number), &coloring->map, error));
     ISO_TRY(iso_range_parse(isorender_value_for(&options->ranges, number), coloring->range, error));
-    if (!coloring->map.given && iso_color_source_is_signed(coloring->source))
-        coloring->map.map = ISO_COLORMAP_COOLWARM;
     return ISO_OK;
 }
 
@@ -238,6 +236,8 @@ static iso_status find_range(isorender_job *job, int thing, const iso_view *view
     if (!source->ranged) source->bar = coloring->bar;
     if (!source->ranged && found) share_range(job, source);
     source->ranged |= found > 0;
+    if (!source->settings->map.given)
+        source->bar.map = iso_coloring_usual_map(coloring->source, &source->bar);
     coloring->bar = source->bar;
     return ISO_OK;
 }
@@ -260,7 +260,9 @@ static void log_source(const isorender_job *job, const color_source *source) {
     else if (isnan(source->settings->range[0]) && source->ranged)
         isorender_log(job, "--surface-color-by %s: --range %.6g,%.6g (2nd to 98th percentile%s)", text,
                       source->bar.low, source->bar.high,
-                      iso_color_source_is_signed(source->settings->source) ? ", on both sides of 0" : "");
+                      !iso_color_source_is_signed(source->settings->source) ? ""
+                      : source->bar.low < 0 && source->bar.high > 0         ? ", on both sides of 0"
+                                                                    : ", from 0 on: they have one sign");
 }
 
 /* The numbers of a mesh's vertices on the mesh. */
@@ -425,7 +427,7 @@ void isorender_colorings_report(iso_json *json, const isorender_job *job) {
             const double range[2] = {source->bar.low, source->bar.high};
             iso_json_reals(json, "range", range, 2);
             iso_json_string(json, "colormap",
-                            settings->map.file ? settings->map.file : iso_colormap_name(settings->map.map));
+                            settings->map.file ? settings->map.file : iso_colormap_name(source->bar.map));
         }
         if (source->points) iso_json_real(json, "covered", (double)source->found / (double)source->points);
         iso_json_end_object(json);

@@ -27,7 +27,6 @@ typedef struct node {
 struct iso_triangle_tree {
     iso_tree_triangle *triangles;
     node *nodes;
-    float *slack;         /* of triangles, then of nodes: the most of their triangles; NULL: not set */
     size_t count, leaves; /* leaves: 2^depth */
     int depth;
 };
@@ -228,7 +227,6 @@ void iso_triangle_tree_destroy(iso_triangle_tree *tree) {
     if (!tree) return;
     iso_free(tree->triangles);
     iso_free(tree->nodes);
-    iso_free(tree->slack);
     iso_free(tree);
 }
 
@@ -399,56 +397,6 @@ size_t iso_triangle_tree_count(const iso_triangle_tree *tree) {
 
 const iso_tree_triangle *iso_triangle_tree_get(const iso_triangle_tree *tree, size_t triangle) {
     return &tree->triangles[triangle];
-}
-
-iso_status iso_triangle_tree_set_slack(iso_triangle_tree *tree, const float *slack, iso_error *error) {
-    float *own = iso_alloc((tree->count + 2 * tree->leaves) * sizeof *own);
-    if (!own) return iso_fail(error, ISO_ERR_NOMEM, "out of memory for %zu triangles", tree->count);
-    float *of_nodes = own + tree->count;
-    memcpy(own, slack, tree->count * sizeof *own);
-    for (size_t i = 2 * tree->leaves - 1; i-- > 0;) {
-        const size_t leaf = i - (tree->leaves - 1);
-        of_nodes[i] = 0;
-        if (i < tree->leaves - 1)
-            of_nodes[i] = fmaxf(of_nodes[2 * i + 1], of_nodes[2 * i + 2]);
-        else
-            for (size_t k = leaf_first(tree, leaf); k < leaf_first(tree, leaf + 1); k++)
-                of_nodes[i] = fmaxf(of_nodes[i], slack[k]);
-    }
-    iso_free(tree->slack);
-    tree->slack = own;
-    return ISO_OK;
-}
-
-/* The square of a distance from which on something with this slack is too far. */
-static double squared_limit(double limit, float slack) {
-    const double most = limit + (double)slack;
-    return most * most;
-}
-
-void iso_triangle_tree_search(const iso_triangle_tree *tree, iso_vec3 p, double *limit,
-                              void (*visit)(void *context, size_t triangle, iso_vec3 nearest, double *limit),
-                              void *context) {
-    const double at[3] = {p.x, p.y, p.z};
-    const float *of_nodes = tree->slack + tree->count;
-    pending stack[2 * DEEPEST];
-    int depth = 0;
-    stack[depth++] = (pending){0, box_squared_distance(&tree->nodes[0], at)};
-    while (depth > 0) {
-        const size_t i = stack[--depth].place;
-        if (stack[depth].squared >= squared_limit(*limit, of_nodes[i])) continue;
-        if (i < tree->leaves - 1) {
-            push_children(tree, i, at, stack, &depth);
-            continue;
-        }
-        const size_t leaf = i - (tree->leaves - 1);
-        for (size_t k = leaf_first(tree, leaf); k < leaf_first(tree, leaf + 1); k++) {
-            const iso_vec3 nearest = iso_triangle_nearest(tree->triangles[k].corners, p),
-                           way = iso_vec3_sub(p, nearest);
-            if (iso_vec3_dot(way, way) < squared_limit(*limit, tree->slack[k]))
-                visit(context, k, nearest, limit);
-        }
-    }
 }
 
 /* ---- all triangles in a box */

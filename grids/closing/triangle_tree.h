@@ -53,16 +53,6 @@ typedef struct iso_tree_triangle {
 size_t iso_triangle_tree_count(const iso_triangle_tree *tree);
 const iso_tree_triangle *iso_triangle_tree_get(const iso_triangle_tree *tree, size_t triangle);
 
-/* Says by how much, mm, what a triangle stands for may be nearer than the triangle: `slack` by triangle,
- * copied. ISO_ERR_NOMEM. */
-iso_status iso_triangle_tree_set_slack(iso_triangle_tree *tree, const float *slack, iso_error *error);
-
-/* Calls `visit` with the triangles that are nearer to p than *limit, mm, which `visit` may lower, or less
- * than their slack farther: with each one's nearest point. Nearer ones tend to come first. */
-void iso_triangle_tree_search(const iso_triangle_tree *tree, iso_vec3 p, double *limit,
-                              void (*visit)(void *context, size_t triangle, iso_vec3 nearest, double *limit),
-                              void *context);
-
 /* Calls `visit` with every triangle in a leaf whose box meets `box`. */
 void iso_triangle_tree_visit(const iso_triangle_tree *tree, const iso_box *box,
                              void (*visit)(void *context, const iso_tree_triangle *triangle), void *context);

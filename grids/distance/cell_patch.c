@@ -5,21 +5,31 @@
 
 enum { MOST_STEPS = 24, MOST_HALVINGS = 8, MOST_CORRECTIONS = 10 };
 
-/* Of a voxel's size: steps that are shorter end the search, and points that are nearer to the surface are
- * on it. */
+/* Of a voxel's size: the search ends where a step makes the distance less by no more than the first, and
+ * points that are nearer to the surface than the second are on it. */
 static const double CONVERGED = 1e-7, ON_SURFACE = 1e-6;
 
-iso_cell_patch iso_cell_patch_make(const double corners[8], const double m[9]) {
+/* A search is given up where the distance would not be below the limit even if a step made its square less by
+ * more than its model says: by so much of it, times the step's length in voxels. */
+static const double MODEL_ERROR = 2;
+
+iso_cell_metric iso_cell_metric_make(const double m[9]) {
+    iso_cell_metric metric;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            metric.m[3 * a + b] = 0;
+            for (int k = 0; k < 3; k++) metric.m[3 * a + b] += m[3 * k + a] * m[3 * k + b];
+        }
+    metric.voxel = sqrt(fmax(metric.m[0], fmax(metric.m[4], metric.m[8])));
+    return metric;
+}
+
+iso_cell_patch iso_cell_patch_make(const double corners[8]) {
     iso_cell_patch patch;
     for (int i = 0; i < 8; i++) patch.c[i] = corners[i];
     for (int axis = 1; axis < 8; axis *= 2)
         for (int i = 0; i < 8; i++)
             if (i & axis) patch.c[i] -= patch.c[i - axis];
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++) {
-            patch.metric[3 * a + b] = 0;
-            for (int k = 0; k < 3; k++) patch.metric[3 * a + b] += m[3 * k + a] * m[3 * k + b];
-        }
     return patch;
 }
 
@@ -28,7 +38,7 @@ typedef struct local_field {
     double value, g[3], xy, xz, yz;
 } local_field;
 
-static local_field field_at(const iso_cell_patch *patch, const double u[3]) {
+static inline local_field field_at(const iso_cell_patch *patch, const double u[3]) {
     const double *c = patch->c, x = u[0], y = u[1], z = u[2];
     local_field f;
     f.xy = c[3] + c[7] * z;
@@ -42,34 +52,30 @@ static local_field field_at(const iso_cell_patch *patch, const double u[3]) {
 }
 
 /* metric * t */
-static void lower(const iso_cell_patch *patch, const double t[3], double out[3]) {
-    for (int a = 0; a < 3; a++)
-        out[a] =
-            patch->metric[3 * a] * t[0] + patch->metric[3 * a + 1] * t[1] + patch->metric[3 * a + 2] * t[2];
+static inline void lower(const iso_cell_metric *metric, const double t[3], double out[3]) {
+    const double *m = metric->m;
+    for (int a = 0; a < 3; a++) out[a] = m[3 * a] * t[0] + m[3 * a + 1] * t[1] + m[3 * a + 2] * t[2];
 }
 
-static double dot(const double a[3], const double b[3]) {
+static inline double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static double squared_length(const iso_cell_patch *patch, const double t[3]) {
-    double lowered[3];
-    lower(patch, t, lowered);
-    return dot(t, lowered);
+static inline double within(double x) {
+    return x < 0 ? 0 : x > 1 ? 1 : x;
 }
 
-static double squared_distance(const iso_cell_patch *patch, const double p[3], const double u[3]) {
+static inline double squared_distance(const iso_cell_metric *metric, const double p[3], const double u[3]) {
     const double way[3] = {p[0] - u[0], p[1] - u[1], p[2] - u[2]};
-    return squared_length(patch, way);
-}
-
-static double largest_spacing(const iso_cell_patch *patch) {
-    return sqrt(fmax(patch->metric[0], fmax(patch->metric[4], patch->metric[8])));
+    double lowered[3];
+    lower(metric, way, lowered);
+    return dot(way, lowered);
 }
 
 /* Moves a position onto the surface along the gradient, within the cell. fixed: axes that stay. False: it
  * does not get there. */
 static bool correct(const iso_cell_patch *patch, const bool fixed[3], double u[3]) {
+    const double near = 0.01 * ON_SURFACE;
     for (int i = 0; i < MOST_CORRECTIONS; i++) {
         const local_field f = field_at(patch, u);
         double g[3], square = 0;
@@ -79,9 +85,9 @@ static bool correct(const iso_cell_patch *patch, const bool fixed[3], double u[3
             g[k] = fixed[k] || outward ? 0 : f.g[k];
             square += g[k] * g[k];
         }
-        if (fabs(f.value) <= ON_SURFACE * 0.01 * sqrt(dot(f.g, f.g))) return true;
+        if (f.value * f.value <= near * near * dot(f.g, f.g)) return true;
         if (!(square > 0)) return false;
-        for (int k = 0; k < 3; k++) u[k] = fmin(fmax(u[k] - f.value * g[k] / square, 0), 1);
+        for (int k = 0; k < 3; k++) u[k] = within(u[k] - f.value * g[k] / square);
     }
     const local_field f = field_at(patch, u);
     return fabs(f.value) <= ON_SURFACE * sqrt(dot(f.g, f.g));
@@ -116,15 +122,16 @@ static bool solve(int count, const double w[3], const double r[2], double s[2]) 
     return true;
 }
 
-/* The step along the surface to where the distance is least by the second-order model, or without the
- * surface's curvature where that model has no least value. */
-static void find_step(const iso_cell_patch *patch, const local_field *f, const double pull[3],
+/* The step along the surface to where the distance is least by the second-order model. False: the model has
+ * no least value, since the surface is bent towards the point more than a ball around it; the step then goes
+ * downhill and is as long as the cell. */
+static bool find_step(const iso_cell_metric *metric, const local_field *f, const double pull[3],
                       const bool fixed[3], double step[3]) {
     double t[2][3], lowered[2][3], bent[3] = {0}, plain[3] = {0}, r[2] = {0}, s[2] = {0}, square = 0,
                                    along = 0;
     const int count = find_tangents(f->g, fixed, t);
     step[0] = step[1] = step[2] = 0;
-    if (!count) return;
+    if (!count) return true;
     for (int k = 0; k < 3; k++)
         if (!fixed[k]) {
             square += f->g[k] * f->g[k];
@@ -132,7 +139,7 @@ static void find_step(const iso_cell_patch *patch, const local_field *f, const d
         }
     const double weight = along / square; /* the Lagrange multiplier */
     for (int i = 0; i < count; i++) {
-        lower(patch, t[i], lowered[i]);
+        lower(metric, t[i], lowered[i]);
         r[i] = dot(t[i], pull);
     }
     for (int i = 0, n = 0; i < count; i++)
@@ -141,24 +148,31 @@ static void find_step(const iso_cell_patch *patch, const local_field *f, const d
             plain[at] = dot(t[i], lowered[j]);
             bent[at] = plain[at] + weight * second(f, t[i], t[j]);
         }
-    if (!solve(count, bent, r, s) && !solve(count, plain, r, s)) return;
-    for (int i = 0; i < count; i++)
-        for (int k = 0; k < 3; k++) step[k] += s[i] * t[i][k];
+    const bool least = solve(count, bent, r, s);
+    if (!least && !solve(count, plain, r, s)) return true;
+    double longest = 0;
+    for (int k = 0; k < 3; k++) {
+        for (int i = 0; i < count; i++) step[k] += s[i] * t[i][k];
+        longest = fmax(longest, fabs(step[k]));
+    }
+    for (int k = 0; k < 3 && !least && longest > 0; k++) step[k] /= longest;
+    return least;
 }
 
-/* The step of a position, which leaves no face of the cell: axes along which it would are fixed. */
-static void find_step_inside(const iso_cell_patch *patch, const local_field *f, const double u[3],
+/* The step of a position, which leaves no face of the cell: axes along which it would are fixed. Returns what
+ * find_step does. */
+static bool find_step_inside(const iso_cell_metric *metric, const local_field *f, const double u[3],
                              const double pull[3], bool fixed[3], double step[3]) {
     fixed[0] = fixed[1] = fixed[2] = false;
     for (int round = 0; round < 3; round++) {
         bool leaves = false;
-        find_step(patch, f, pull, fixed, step);
+        const bool least = find_step(metric, f, pull, fixed, step);
         for (int k = 0; k < 3; k++)
             if (!fixed[k] && ((u[k] <= 0 && step[k] < 0) || (u[k] >= 1 && step[k] > 0)))
                 leaves = fixed[k] = true;
-        if (!leaves) return;
+        if (!leaves) return least;
     }
-    find_step(patch, f, pull, fixed, step);
+    return find_step(metric, f, pull, fixed, step);
 }
 
 /* Goes `share` of a step, as far as the cell reaches, and back onto the surface. */
@@ -172,7 +186,7 @@ static bool go(const iso_cell_patch *patch, const double u[3], const double step
             end = k;
         }
     }
-    for (int k = 0; k < 3; k++) to[k] = fmin(fmax(u[k] + share * step[k], 0), 1);
+    for (int k = 0; k < 3; k++) to[k] = within(u[k] + share * step[k]);
     if (end < 0) return correct(patch, fixed, to);
     bool all[3] = {fixed[0], fixed[1], fixed[2]};
     to[end] = step[end] > 0 ? 1 : 0;
@@ -180,24 +194,28 @@ static bool go(const iso_cell_patch *patch, const double u[3], const double step
     return correct(patch, all, to) || correct(patch, fixed, to);
 }
 
-double iso_cell_patch_nearest(const iso_cell_patch *patch, const double p[3], double at[3]) {
+double iso_cell_patch_nearest(const iso_cell_patch *patch, const iso_cell_metric *metric, const double p[3],
+                              double limit, double at[3]) {
     static const bool none[3] = {false, false, false};
-    const double voxel = largest_spacing(patch), least = CONVERGED * CONVERGED * voxel * voxel;
-    for (int k = 0; k < 3; k++) at[k] = fmin(fmax(at[k], 0), 1);
+    const double little = CONVERGED * metric->voxel;
+    for (int k = 0; k < 3; k++) at[k] = within(at[k]);
     if (!correct(patch, none, at)) return INFINITY;
-    double best = squared_distance(patch, p, at);
+    double best = squared_distance(metric, p, at);
     for (int i = 0; i < MOST_STEPS; i++) {
         const local_field f = field_at(patch, at);
         const double way[3] = {p[0] - at[0], p[1] - at[1], p[2] - at[2]};
         double pull[3], step[3], to[3];
         bool fixed[3], nearer = false;
-        lower(patch, way, pull);
-        find_step_inside(patch, &f, at, pull, fixed, step);
-        if (!(squared_length(patch, step) > least)) break;
+        lower(metric, way, pull);
+        const bool least = find_step_inside(metric, &f, at, pull, fixed, step);
+        const double gain = dot(pull, step); /* by the model */
+        if (!(gain > little * (2 * sqrt(best) + little))) break;
+        const double length = fmax(fabs(step[0]), fmax(fabs(step[1]), fabs(step[2])));
+        if (least && best - (1 + MODEL_ERROR * length) * gain >= limit * limit) return INFINITY;
         double share = 1, found = best;
         for (int k = 0; k < MOST_HALVINGS && !nearer; k++, share /= 2) {
             if (!go(patch, at, step, share, fixed, to)) continue;
-            found = squared_distance(patch, p, to);
+            found = squared_distance(metric, p, to);
             nearer = found < best;
         }
         if (!nearer) break;
@@ -207,9 +225,9 @@ double iso_cell_patch_nearest(const iso_cell_patch *patch, const double p[3], do
     return sqrt(best);
 }
 
-double iso_cell_patch_offset(const iso_cell_patch *patch, const double at[3]) {
+double iso_cell_patch_offset(const iso_cell_patch *patch, const iso_cell_metric *metric, const double at[3]) {
     const local_field f = field_at(patch, at);
     /* the gradient per mm is at least that per voxel over the largest spacing */
-    const double voxel = largest_spacing(patch), slope = sqrt(dot(f.g, f.g));
-    return slope > 0 ? fmin(fabs(f.value) / slope, 0.5) * voxel : 0.5 * voxel;
+    const double slope = sqrt(dot(f.g, f.g));
+    return slope > 0 ? fmin(fabs(f.value) / slope, 0.5) * metric->voxel : 0.5 * metric->voxel;
 }

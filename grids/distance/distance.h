@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/nearby.h"
 #include "base/parallel.h"
 #include "base/primitives.h"
 #include "grids/grid.h"
@@ -26,9 +27,10 @@ iso_status iso_distance_of_mesh(const iso_triangles *mesh, iso_distance **distan
 void iso_distance_destroy(iso_distance *distance); /* NULL is allowed */
 
 /* The distance from a point in the world, mm; below 0 inside: of a field where the volume says so, of a
- * mesh where its winding number is nearer to 1 than to 0 (or to -1, if it is inside out). *near: 0, or
- * what the call for a point nearby has set it to, which makes the search faster. */
-double iso_distance_at(const iso_distance *distance, iso_vec3 point, size_t *near);
+ * mesh where its winding number is nearer to 1 than to 0 (or to -1, if it is inside out). *nearby makes
+ * the search for points that are near to each other faster; the distance depends on it by up to 1e-4
+ * voxel. */
+double iso_distance_at(const iso_distance *distance, iso_vec3 point, iso_nearby *nearby);
 
 /* Whether a point is inside, as the sign of iso_distance_at says. */
 bool iso_distance_is_inside(const iso_distance *distance, iso_vec3 point);

@@ -54,8 +54,6 @@ static iso_status make(iso_api_colorings *all, int i, const iso_view *view, iso_
     iso_coloring *coloring = &all->made[i];
     size_t points, found;
     coloring->source = given->source;
-    coloring->bar.map =
-        iso_color_source_is_signed(given->source) ? ISO_COLORMAP_COOLWARM : ISO_COLORMAP_VIRIDIS;
     if (given->colormap) ISO_TRY(iso_colormap_find(given->colormap, &coloring->bar.map, error));
     if (given->source == ISO_COLOR_BY_VOLUME)
         iso_coloring_set_grid(coloring, &iso_api_volume_of(given->volume)->volume.grid);
@@ -70,6 +68,7 @@ static iso_status make(iso_api_colorings *all, int i, const iso_view *view, iso_
     coloring->bar.high = given->range[1];
     if (!has_range(given))
         ISO_TRY(iso_coloring_find_surface_range(coloring, scene, view, &points, &found, error));
+    if (!given->colormap) coloring->bar.map = iso_coloring_usual_map(given->source, &coloring->bar);
     scene->coloring = coloring;
     return ISO_OK;
 }

@@ -95,9 +95,10 @@ static void measure_samples(void *context, size_t index, int worker) {
     (void)worker;
     const samples *s = context;
     const size_t first = index * SAMPLES_PER_TASK;
-    size_t near = 0;
+    iso_nearby nearby = {0};
     for (size_t i = first; i < first + SAMPLES_PER_TASK && i < s->count; i++)
-        s->items[i].distance = iso_distance_at(s->distance, s->items[i].place, &near);
+        s->items[i].distance = iso_distance_at(s->distance, s->items[i].place, &nearby);
+    iso_nearby_free(&nearby);
 }
 
 static int compare_samples(const void *a, const void *b) {

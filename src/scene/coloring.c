@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "grids/grid_curvature.h"
 
-enum { ROWS_PER_TASK = 4 };
+enum { BLOCK = 8 }; /* samples */
 
 void iso_coloring_set_grid(iso_coloring *coloring, const iso_grid *grid) {
     coloring->grid = *grid;
@@ -22,17 +22,17 @@ static double volume_at(const iso_coloring *c, iso_vec3 place) {
     return iso_grid_physical(&c->grid, iso_grid_sample(&c->grid, index));
 }
 
-double iso_coloring_number(const iso_coloring *c, const iso_colored_point *point, size_t *near) {
+double iso_coloring_number(const iso_coloring *c, const iso_colored_point *point, iso_nearby *nearby) {
     iso_rgb color;
     switch (c->source) {
     case ISO_COLOR_BY_VOLUME:
-        if (c->vertices) return iso_vertex_field_at(c->vertices, point->place, near, &color);
+        if (c->vertices) return iso_vertex_field_at(c->vertices, point->place, nearby, &color);
         return volume_at(c, point->place);
     case ISO_COLOR_BY_CURVATURE:
         return iso_grid_mean_curvature(&c->grid, &c->affine,
                                        iso_affine_point_to_index(&c->affine, point->place));
     case ISO_COLOR_BY_DISTANCE:
-        return iso_distance_at(c->distance, point->place, near);
+        return iso_distance_at(c->distance, point->place, nearby);
     case ISO_COLOR_BY_DEPTH:
         return point->depth;
     case ISO_COLOR_BY_NORMAL:
@@ -47,18 +47,18 @@ static uint8_t component(double normal) {
 }
 
 /* iso_surface_colors.at. */
-static iso_rgb color_at(const void *context, const iso_colored_point *point, size_t *near) {
+static iso_rgb color_at(const void *context, const iso_colored_point *point, iso_nearby *nearby) {
     const iso_coloring *c = context;
-    if (c->given.at) return c->given.at(c->given.context, point, near);
+    if (c->given.at) return c->given.at(c->given.context, point, nearby);
     if (c->vertices) {
         iso_rgb color;
-        const double number = iso_vertex_field_at(c->vertices, point->place, near, &color);
+        const double number = iso_vertex_field_at(c->vertices, point->place, nearby, &color);
         const bool own = iso_vertex_field_has_colors(c->vertices) && !isnan(number);
         return own ? color : iso_color_bar_at(&c->bar, number);
     }
     if (c->source == ISO_COLOR_BY_NORMAL)
         return (iso_rgb){component(point->normal.x), component(point->normal.y), component(point->normal.z)};
-    return iso_color_bar_at(&c->bar, iso_coloring_number(c, point, near));
+    return iso_color_bar_at(&c->bar, iso_coloring_number(c, point, nearby));
 }
 
 iso_surface_colors iso_coloring_colors(const iso_coloring *coloring) {
@@ -74,26 +74,29 @@ typedef struct painting {
     iso_gbuffer *gbuffer;
 } painting;
 
-static void paint_row(const painting *p, int y) {
-    const iso_gbuffer *gbuffer = p->gbuffer;
-    size_t near[ISO_SURFACE_MAX] = {0};
-    for (int x = 0; x < gbuffer->width; x++) {
-        const size_t at = (size_t)y * (size_t)gbuffer->width + (size_t)x;
-        const int surface = gbuffer->surface[at];
-        if (surface >= p->count || !p->colorings[surface]) continue;
-        const iso_colored_point point =
-            iso_colored_point_at(p->view, x, y, (double)gbuffer->depth[at], iso_gbuffer_normal(gbuffer, at));
-        const iso_rgb c = color_at(p->colorings[surface], &point, &near[surface]);
-        gbuffer->color[at] =
-            (uint32_t)c.r | (uint32_t)c.g << 8 | (uint32_t)c.b << 16 | ((uint32_t)surface + 1) << 24;
-    }
+static void paint_sample(const painting *p, int x, int y, iso_nearby nearby[ISO_SURFACE_MAX]) {
+    iso_gbuffer *gbuffer = p->gbuffer;
+    const size_t at = (size_t)y * (size_t)gbuffer->width + (size_t)x;
+    const int surface = gbuffer->surface[at];
+    if (surface >= p->count || !p->colorings[surface]) return;
+    const iso_colored_point point =
+        iso_colored_point_at(p->view, x, y, (double)gbuffer->depth[at], iso_gbuffer_normal(gbuffer, at));
+    const iso_rgb c = color_at(p->colorings[surface], &point, &nearby[surface]);
+    gbuffer->color[at] =
+        (uint32_t)c.r | (uint32_t)c.g << 8 | (uint32_t)c.b << 16 | ((uint32_t)surface + 1) << 24;
 }
 
-static void paint_rows(void *context, size_t index, int worker) {
+/* Goes through a row of blocks, of which each is small, so that samples that follow each other are near to
+ * each other. */
+static void paint_blocks(void *context, size_t index, int worker) {
     (void)worker;
     const painting *p = context;
-    const int first = (int)index * ROWS_PER_TASK;
-    for (int y = first; y < first + ROWS_PER_TASK && y < p->gbuffer->height; y++) paint_row(p, y);
+    const int top = (int)index * BLOCK, width = p->gbuffer->width, height = p->gbuffer->height;
+    iso_nearby nearby[ISO_SURFACE_MAX] = {{0}};
+    for (int left = 0; left < width; left += BLOCK)
+        for (int y = top; y < top + BLOCK && y < height; y++)
+            for (int x = left; x < left + BLOCK && x < width; x++) paint_sample(p, x, y, nearby);
+    for (int i = 0; i < p->count; i++) iso_nearby_free(&nearby[i]);
 }
 
 iso_status iso_colorings_paint(const iso_coloring *const *colorings, int count, const iso_view *view,
@@ -103,7 +106,7 @@ iso_status iso_colorings_paint(const iso_coloring *const *colorings, int count, 
     for (int i = 0; i < p.count; i++) any |= colorings[i] != NULL;
     if (!any) return ISO_OK;
     ISO_TRY(iso_gbuffer_add_color(gbuffer, error));
-    iso_parallel_for(pool, ((size_t)gbuffer->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK, paint_rows, &p);
+    iso_parallel_for(pool, ((size_t)gbuffer->height + BLOCK - 1) / BLOCK, paint_blocks, &p);
     return ISO_OK;
 }
 
@@ -114,22 +117,39 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The middle of the numbers but for 2 % at each end; of signed ones as much on both sides of 0. Returns
- * how many numbers there are. */
-static size_t set_range(double *numbers, size_t count, bool both_sides, iso_color_bar *bar) {
+/* The range of signed numbers, which are sorted and become their absolute values: that of all but the 2 %
+ * that are the largest, on both sides of 0 unless all but 2 % have one sign. */
+static void set_signed_range(double *numbers, size_t count, iso_color_bar *bar) {
+    const size_t few = (count - 1) / 50;
+    const bool none_below = numbers[few] >= 0, none_above = numbers[count - 1 - few] <= 0;
+    for (size_t i = 0; i < count; i++) numbers[i] = fabs(numbers[i]);
+    qsort(numbers, count, sizeof *numbers, compare);
+    const double most = numbers[count - 1 - few];
+    bar->low = none_below ? 0 : -most;
+    bar->high = none_above && !none_below ? 0 : most;
+}
+
+/* The middle of the numbers but for 2 % at each end. Returns how many numbers there are. */
+static size_t set_range(double *numbers, size_t count, bool have_signs, iso_color_bar *bar) {
     size_t good = 0;
     for (size_t i = 0; i < count; i++)
-        if (isfinite(numbers[i])) numbers[good++] = both_sides ? fabs(numbers[i]) : numbers[i];
+        if (isfinite(numbers[i])) numbers[good++] = numbers[i];
     bar->low = 0;
     bar->high = 1;
     if (!good) return 0;
     qsort(numbers, good, sizeof *numbers, compare);
     const size_t low = (good - 1) / 50, high = good - 1 - low;
     bar->high = numbers[high];
-    bar->low = both_sides ? -bar->high : numbers[low];
+    bar->low = numbers[low];
+    if (have_signs) set_signed_range(numbers, good, bar);
     /* numbers that differ by rounding alone have one colour */
     if (bar->high - bar->low <= 1e-5 * fmax(fabs(bar->low), fabs(bar->high))) bar->low = bar->high;
     return good;
+}
+
+iso_colormap iso_coloring_usual_map(iso_color_source source, const iso_color_bar *bar) {
+    const bool one_sided = bar->high > bar->low && (bar->low >= 0 || bar->high <= 0);
+    return iso_color_source_is_signed(source) && !one_sided ? ISO_COLORMAP_COOLWARM : ISO_COLORMAP_VIRIDIS;
 }
 
 /* The numbers at every `step`-th vertex. */
@@ -148,13 +168,14 @@ static void sample_numbers(void *context, size_t index, int worker) {
     (void)worker;
     const sampling *s = context;
     const size_t first = index * SAMPLES_PER_TASK;
-    size_t near = 0;
+    iso_nearby nearby = {0};
     for (size_t i = first; i < first + SAMPLES_PER_TASK && i < s->count; i++) {
         const iso_vec3 place = iso_affine_point(&s->affine, s->places[i]);
         const iso_colored_point point = {.place = place,
                                          .depth = s->view ? iso_view_point(s->view, place).z : (double)NAN};
-        s->numbers[i] = iso_coloring_number(s->coloring, &point, &near);
+        s->numbers[i] = iso_coloring_number(s->coloring, &point, &nearby);
     }
+    iso_nearby_free(&nearby);
 }
 
 /* Sets the places of every `step`-th vertex. */
@@ -220,15 +241,16 @@ static void color_vertices(void *context, size_t index, int worker) {
     (void)worker;
     const weld_coloring *w = context;
     const size_t first = index * SAMPLES_PER_TASK;
-    size_t near = 0;
+    iso_nearby nearby = {0};
     for (size_t i = first; i < first + SAMPLES_PER_TASK && i < w->weld->vertex_count; i++) {
         const float *p = w->weld->vertices[i].position, *n = w->weld->vertices[i].normal;
         const iso_colored_point point = {
             .place = iso_affine_point(&w->affine, iso_vec3_make((double)p[0], (double)p[1], (double)p[2])),
             .normal = iso_affine_normal(&w->affine, iso_vec3_make((double)n[0], (double)n[1], (double)n[2])),
             .depth = (double)NAN};
-        store_color(color_at(w->coloring, &point, &near), w->weld->colors[i]);
+        store_color(color_at(w->coloring, &point, &nearby), w->weld->colors[i]);
     }
+    iso_nearby_free(&nearby);
 }
 
 iso_status iso_coloring_weld(const iso_coloring *coloring, const iso_transform *transform, iso_pool *pool,
@@ -253,7 +275,7 @@ static void color_span(void *context, size_t index, int worker) {
     (void)worker;
     const point_coloring *c = context;
     const iso_point_span *span = &c->points->spans[index];
-    size_t near = 0;
+    iso_nearby nearby = {0};
     for (size_t i = span->first; i < span->first + span->count; i++) {
         const iso_surfel surfel = iso_point_view_get(c->points, i);
         const float *n = surfel.normal;
@@ -261,8 +283,9 @@ static void color_span(void *context, size_t index, int worker) {
             .place = iso_affine_point(&c->affine, iso_brick_position(span->brick, surfel.position)),
             .normal = iso_affine_normal(&c->affine, iso_vec3_make((double)n[0], (double)n[1], (double)n[2])),
             .depth = (double)NAN};
-        store_color(color_at(c->coloring, &point, &near), c->colors[i]);
+        store_color(color_at(c->coloring, &point, &nearby), c->colors[i]);
     }
+    iso_nearby_free(&nearby);
 }
 
 iso_status iso_coloring_points(const iso_coloring *coloring, const iso_point_view *points, iso_pool *pool,

@@ -29,8 +29,8 @@ void iso_coloring_set_grid(iso_coloring *coloring, const iso_grid *grid);
 
 /* The number at a point. NaN, which is coloured in the neutral gray of iso_color_bar_at: BY_NORMAL; where
  * the volume is not finite or a vertex has no number, and outside of the volume, which is beyond half a
- * voxel from its outermost voxels' centres. near: as iso_surface_colors.at. Thread-safe. */
-double iso_coloring_number(const iso_coloring *coloring, const iso_colored_point *point, size_t *near);
+ * voxel from its outermost voxels' centres. nearby: as iso_surface_colors.at. Thread-safe. */
+double iso_coloring_number(const iso_coloring *coloring, const iso_colored_point *point, iso_nearby *nearby);
 
 /* The colours of all points; borrows the coloring. */
 iso_surface_colors iso_coloring_colors(const iso_coloring *coloring);
@@ -42,11 +42,11 @@ iso_status iso_colorings_paint(const iso_coloring *const *colorings, int count, 
                                iso_gbuffer *gbuffer, iso_pool *pool, iso_error *error);
 
 /* Sets bar.low and bar.high from the numbers at some of a mesh's vertices, evenly many of all its parts:
- * from their 2nd to their 98th percentile, and alike on both sides of 0 if the source's numbers are
- * signed. Wherever the camera is, a surface so has the same range; but BY_DEPTH it is that of the view
- * (which may be NULL otherwise). *points: the number of these vertices; *found: of those where there is a
- * number; with none the range is 0 .. 1. BY_NORMAL nothing is set. The same with every number of threads.
- * `pool` may be NULL. ISO_ERR_NOMEM. */
+ * from their 2nd to their 98th percentile; if the source's numbers are signed, as much on both sides of 0, or
+ * from 0 on where all between these percentiles have one sign. Wherever the camera is, a surface so has the
+ * same range; but BY_DEPTH it is that of the view (which may be NULL otherwise). *points: the number of these
+ * vertices; *found: of those where there is a number; with none the range is 0 .. 1. BY_NORMAL nothing is
+ * set. The same with every number of threads. `pool` may be NULL. ISO_ERR_NOMEM. */
 iso_status iso_coloring_find_range(iso_coloring *coloring, const iso_mesh_view *mesh, const iso_view *view,
                                    iso_pool *pool, size_t *points, size_t *found, iso_error *error);
 
@@ -64,6 +64,9 @@ iso_status iso_coloring_weld(const iso_coloring *coloring, const iso_transform *
  * be NULL. ISO_ERR_NOMEM. */
 iso_status iso_coloring_points(const iso_coloring *coloring, const iso_point_view *points, iso_pool *pool,
                                uint8_t (**colors)[3], iso_error *error);
+
+/* The colormap of a source that is given none: a two-sided one for signed numbers on both sides of 0. */
+iso_colormap iso_coloring_usual_map(iso_color_source source, const iso_color_bar *bar);
 
 /* Whether a source's numbers have a sign that matters: curvature and distance. */
 static inline bool iso_color_source_is_signed(iso_color_source source) {

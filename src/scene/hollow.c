@@ -35,9 +35,9 @@ static iso_vec3 place_of(const hollowing *h, double x, double y, double z) {
 }
 
 /* Distance from the wall, mm, below 0 in it; *depth: from the surface. */
-static double wall_at(const hollowing *h, iso_vec3 p, size_t *near, double *depth) {
+static double wall_at(const hollowing *h, iso_vec3 p, iso_nearby *nearby, double *depth) {
     const double half = h->opts->wall / 2;
-    *depth = iso_distance_at(h->distance, p, near);
+    *depth = iso_distance_at(h->distance, p, nearby);
     return fabs(*depth + half) - half;
 }
 
@@ -50,14 +50,15 @@ static void classify(void *context, size_t cell, int thread) {
     static const double REACH = 13; /* half the diagonal of a brick */
     hollowing *h = context;
     int at[3];
-    size_t near = 0;
+    iso_nearby nearby = {0};
     double depth;
     (void)thread;
     iso_hgrid_cell_position(h->grid, cell, at);
     const double middle = (ISO_BRICK - 1) / 2.0;
     const iso_vec3 p =
         place_of(h, ISO_BRICK * at[0] + middle, ISO_BRICK * at[1] + middle, ISO_BRICK * at[2] + middle);
-    const double wall = wall_at(h, p, &near, &depth);
+    const double wall = wall_at(h, p, &nearby, &depth);
+    iso_nearby_free(&nearby);
     h->state[cell] = (int8_t)(!is_far(h, wall, REACH) ? 0 : wall < 0 ? ISO_CELL_INSIDE : ISO_CELL_OUTSIDE);
 }
 
@@ -71,18 +72,18 @@ static void note_hollow(extremes *e, const spot *found) {
 
 /* A block of voxels of a brick, all at once if it is far from the wall's faces. */
 static void fill_block(hollowing *h, const int first[3], const int at[3], float *brick, extremes *e,
-                       size_t *near) {
+                       iso_nearby *nearby) {
     static const double REACH = 2.6;
     const double middle = (BLOCK - 1) / 2.0;
     double depth;
     const iso_vec3 p =
         place_of(h, first[0] + at[0] + middle, first[1] + at[1] + middle, first[2] + at[2] + middle);
-    const double wall = wall_at(h, p, near, &depth);
+    const double wall = wall_at(h, p, nearby, &depth);
     const bool far = is_far(h, wall, REACH);
     for (int i = 0; i < BLOCK * BLOCK * BLOCK; i++) {
         const int x = at[0] + i % BLOCK, y = at[1] + i / BLOCK % BLOCK, z = at[2] + i / (BLOCK * BLOCK);
         const iso_vec3 voxel = place_of(h, first[0] + x, first[1] + y, first[2] + z);
-        const double value = (far ? wall : wall_at(h, voxel, near, &depth)) / h->voxel;
+        const double value = (far ? wall : wall_at(h, voxel, nearby, &depth)) / h->voxel;
         brick[(z * ISO_BRICK + y) * ISO_BRICK + x] = (float)fmax(-BAND, fmin(BAND, value));
         if (!far && depth < -h->opts->wall)
             note_hollow(e, &(spot){voxel, iso_vec3_dot(voxel, h->opts->up), depth});
@@ -92,7 +93,7 @@ static void fill_block(hollowing *h, const int first[3], const int at[3], float 
 static void fill(void *context, size_t cell, int thread) {
     hollowing *h = context;
     int at[3];
-    size_t near = 0;
+    iso_nearby nearby = {0};
     (void)thread;
     if (h->grid->cell[cell] < 0) return;
     iso_hgrid_cell_position(h->grid, cell, at);
@@ -101,7 +102,8 @@ static void fill(void *context, size_t cell, int thread) {
     for (int z = 0; z < ISO_BRICK; z += BLOCK)
         for (int y = 0; y < ISO_BRICK; y += BLOCK)
             for (int x = 0; x < ISO_BRICK; x += BLOCK)
-                fill_block(h, first, (const int[3]){x, y, z}, brick, &h->found[cell], &near);
+                fill_block(h, first, (const int[3]){x, y, z}, brick, &h->found[cell], &nearby);
+    iso_nearby_free(&nearby);
 }
 
 /* ---- holes: half-lines that are cut away */

@@ -54,8 +54,8 @@ iso_label_painter iso_label_painter_make(const iso_label_colors *colors) {
 }
 
 /* iso_surface_colors.at. */
-static iso_rgb color_of_place(const void *context, const iso_colored_point *point, size_t *near) {
-    (void)near;
+static iso_rgb color_of_place(const void *context, const iso_colored_point *point, iso_nearby *nearby) {
+    (void)nearby;
     const iso_label_painter *p = context;
     const iso_vec3 place = iso_affine_point_to_index(&p->affine, point->place);
     return p->colors->colors[iso_label_fields_at(p->colors->fields, p->colors->group, place)];

@@ -23,8 +23,8 @@ iso_rgb iso_painted_color(const iso_painted *painted, iso_vec3 place) {
 }
 
 /* iso_surface_colors.at. */
-static iso_rgb color_at(const void *context, const iso_colored_point *point, size_t *near) {
-    (void)near;
+static iso_rgb color_at(const void *context, const iso_colored_point *point, iso_nearby *nearby) {
+    (void)nearby;
     return iso_painted_color(context, point->place);
 }
 

@@ -83,10 +83,11 @@ static iso_rgb mix_colors(const corner_value corners[3], const double shares[3])
     return (iso_rgb){(uint8_t)sum[0], (uint8_t)sum[1], (uint8_t)sum[2]};
 }
 
-double iso_vertex_field_at(const iso_vertex_field *field, iso_vec3 point, size_t *near, iso_rgb *color) {
-    iso_nearest nearest = {.squared = INFINITY, .triangle = *near};
+double iso_vertex_field_at(const iso_vertex_field *field, iso_vec3 point, iso_nearby *nearby,
+                           iso_rgb *color) {
+    iso_nearest nearest = {.squared = INFINITY, .triangle = nearby->last};
     iso_triangle_tree_nearest(field->tree, point, &nearest);
-    *near = nearest.triangle;
+    nearby->last = nearest.triangle;
     const corner_value *corners = field->corners[nearest.triangle];
     double shares[3], sum = 0, weight = 0;
     find_shares(iso_triangle_tree_get(field->tree, nearest.triangle)->corners, nearest.point, shares);

@@ -3,6 +3,7 @@
 #ifndef ISO_SCENE_VERTEX_FIELD_H
 #define ISO_SCENE_VERTEX_FIELD_H
 
+#include "base/nearby.h"
 #include "base/primitives.h"
 #include "base/status.h"
 #include "image/image.h"
@@ -21,7 +22,7 @@ void iso_vertex_field_destroy(iso_vertex_field *field); /* NULL is allowed */
 bool iso_vertex_field_has_colors(const iso_vertex_field *field);
 
 /* The number at a point in the world, mm; NaN: none; of colours alone 0. *color: its own, if it has any.
- * *near: as iso_distance_at. */
-double iso_vertex_field_at(const iso_vertex_field *field, iso_vec3 point, size_t *near, iso_rgb *color);
+ * *nearby: as iso_distance_at. */
+double iso_vertex_field_at(const iso_vertex_field *field, iso_vec3 point, iso_nearby *nearby, iso_rgb *color);
 
 #endif

@@ -126,8 +126,10 @@ static iso_rgb color_of(const sample_ray *s, int i, iso_vec3 normal) {
     if (!colors) return s->input->layers[i].color;
     const iso_colored_point point =
         iso_colored_point_at(s->input->picture.strip->view, s->x, s->y, s->hit[i].t, normal);
-    size_t near = 0;
-    return colors->at(colors->context, &point, &near);
+    iso_nearby nearby = {0};
+    const iso_rgb color = colors->at(colors->context, &point, &nearby);
+    iso_nearby_free(&nearby);
+    return color;
 }
 
 /* Returns the next crossing of surface i with its opacity and shaded colour. */

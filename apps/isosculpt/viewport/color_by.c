@@ -118,6 +118,11 @@ iso_status isosculpt_color_by_set_range(isosculpt_viewport *viewport, const doub
     return ISO_OK;
 }
 
+/* Where none is given, the colormap is that of the range. */
+static void use_usual_map(isosculpt_color_by *by) {
+    if (!by->map[0]) by->coloring.bar.map = iso_coloring_usual_map(by->coloring.source, &by->coloring.bar);
+}
+
 iso_status isosculpt_color_by_find_range(isosculpt_viewport *viewport, bool moving, iso_error *error) {
     isosculpt_color_by *by = viewport->color_by;
     size_t points, found;
@@ -125,6 +130,7 @@ iso_status isosculpt_color_by_find_range(isosculpt_viewport *viewport, bool movi
     if (!isnan(by->range[0])) {
         by->coloring.bar.low = by->range[0];
         by->coloring.bar.high = by->range[1];
+        use_usual_map(by);
         return ISO_OK;
     }
     const bool of_view = by->coloring.source == ISO_COLOR_BY_DEPTH,
@@ -136,6 +142,7 @@ iso_status isosculpt_color_by_find_range(isosculpt_viewport *viewport, bool movi
     surface.mesh = NULL; /* which may be that of another isovalue */
     ISO_TRY(iso_coloring_find_surface_range(&by->coloring, &surface, &view, &points, &found, error));
     by->ranged_isovalue = viewport->isovalue;
+    use_usual_map(by);
     return ISO_OK;
 }
 

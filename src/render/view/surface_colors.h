@@ -3,8 +3,7 @@
 #ifndef ISO_RENDER_VIEW_SURFACE_COLORS_H
 #define ISO_RENDER_VIEW_SURFACE_COLORS_H
 
-#include <stddef.h>
-
+#include "base/nearby.h"
 #include "render/view/project.h"
 
 /* A point of a surface that a sample shows. */
@@ -16,9 +15,9 @@ typedef struct iso_colored_point {
 
 /* Thread-safe. */
 typedef struct iso_surface_colors {
-    /* The colour of a point. *near: begins as 0 in each row of samples and is passed from sample to
-     * sample, for searches that begin where the last one ended; the colour does not depend on it. */
-    iso_rgb (*at)(const void *context, const iso_colored_point *point, size_t *near);
+    /* The colour of a point. *nearby: is passed from sample to sample of a row, or of another part of a
+     * picture that does not depend on threads; the colour hardly depends on it. */
+    iso_rgb (*at)(const void *context, const iso_colored_point *point, iso_nearby *nearby);
     const void *context; /* borrowed */
 } iso_surface_colors;
 

@@ -51,15 +51,17 @@ static void the_wall_is_as_thick_everywhere(void **state) {
     assert_int_equal(measures.pieces, 2);
     assert_int_equal(measures.open_edges + measures.crowded_edges, 0);
     const iso_affine affine = iso_transform_affine(iso_grid_transform(&made));
-    size_t near = 0, inner = 0;
+    iso_nearby nearby = {0};
+    size_t inner = 0;
     for (size_t i = 0; i < weld.vertex_count; i++) {
         const float *p = weld.vertices[i].position;
         const double depth =
-            -iso_distance_at(distance, iso_affine_point(&affine, iso_vec3_make(p[0], p[1], p[2])), &near);
+            -iso_distance_at(distance, iso_affine_point(&affine, iso_vec3_make(p[0], p[1], p[2])), &nearby);
         assert_true(fabs(depth) < 0.05 || fabs(depth - WALL) < 0.05);
         inner += depth > WALL / 2;
     }
     assert_true(inner > weld.vertex_count / 4);
+    iso_nearby_free(&nearby);
     iso_weld_free(&weld);
     iso_distance_destroy(distance);
     iso_grid_destroy(&made);

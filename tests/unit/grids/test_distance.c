@@ -147,7 +147,7 @@ static void compare(const iso_grid *grid, double isovalue, double near, int coun
     iso_distance *distance;
     iso_weld weld;
     test_random random = {.state = 7};
-    size_t last = 0;
+    iso_nearby last = {0};
     assert_int_equal(iso_distance_of_isosurface(grid, isovalue, NULL, &distance, NULL), ISO_OK);
     assert_int_equal(iso_isosurface_mesh(grid, isovalue, NULL, &weld, NULL), ISO_OK);
     search s = {.grid = grid,
@@ -168,6 +168,7 @@ static void compare(const iso_grid *grid, double isovalue, double near, int coun
         worst = fmax(worst, fabs(found - search_all(&s, found + 0.01)));
     }
     if (worst > tolerance) fail_msg("distances are wrong by %g", worst);
+    iso_nearby_free(&last);
     iso_weld_free(&weld);
     iso_distance_destroy(distance);
 }
@@ -200,8 +201,8 @@ static void distances_have_signs(void **state) {
         const double r = test_random_real(&random, 3, 30);
         const iso_vec3 p =
             iso_vec3_add(iso_vec3_make(19.3, 18.6, 20.1), iso_vec3_scale(test_random_direction(&random), r));
-        size_t near = 0;
-        const double found = iso_distance_at(distance, p, &near);
+        iso_nearby nearby = {0};
+        const double found = iso_distance_at(distance, p, &nearby);
         /* linear interpolation of the distance is wrong by at most 3 / (8 r) at the surface */
         assert_true(fabs(found - (r - 12.4)) < 3 / (8 * 11.4));
     }
@@ -216,13 +217,13 @@ static void distances_from_a_mesh_are_exact(void **state) {
     uint32_t triangles[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
     const iso_triangles mesh = {vertices, triangles, 4, 4, NULL}, none = {vertices, triangles, 4, 0, NULL};
     iso_distance *distance;
-    size_t near = 0;
+    iso_nearby nearby = {0};
     assert_int_equal(iso_distance_of_mesh(&none, &distance, NULL), ISO_ERR_EMPTY);
     assert_int_equal(iso_distance_of_mesh(&mesh, &distance, NULL), ISO_OK);
-    assert_true(fabs(iso_distance_at(distance, iso_vec3_make(1, 1, -2), &near) - 2) < 1e-12);
-    assert_true(fabs(iso_distance_at(distance, iso_vec3_make(1, 1, 0.25), &near) + 0.25) < 1e-12);
-    assert_true(fabs(iso_distance_at(distance, iso_vec3_make(4, 4, 4), &near) - 8 / sqrt(3)) < 1e-12);
-    assert_true(fabs(iso_distance_at(distance, iso_vec3_make(-3, -4, 0), &near) - 5) < 1e-12);
+    assert_true(fabs(iso_distance_at(distance, iso_vec3_make(1, 1, -2), &nearby) - 2) < 1e-12);
+    assert_true(fabs(iso_distance_at(distance, iso_vec3_make(1, 1, 0.25), &nearby) + 0.25) < 1e-12);
+    assert_true(fabs(iso_distance_at(distance, iso_vec3_make(4, 4, 4), &nearby) - 8 / sqrt(3)) < 1e-12);
+    assert_true(fabs(iso_distance_at(distance, iso_vec3_make(-3, -4, 0), &nearby) - 5) < 1e-12);
     iso_distance_destroy(distance);
 }
 

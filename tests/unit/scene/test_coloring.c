@@ -129,7 +129,7 @@ static bool wanted_color(const fixture *f, const iso_view *view, int x, int y, d
     const iso_vec3 place = iso_vec3_add(origin, iso_vec3_scale(direction, hit.t));
     const iso_affine affine = iso_transform_affine(iso_grid_transform(&f->grid));
     const iso_vec3 n = iso_ray_hit_normal(f->tracer, &ray, &hit);
-    size_t near = 0;
+    iso_nearby nearby = {0};
     double number = hit.t;
     if (f->coloring.source == ISO_COLOR_BY_NORMAL) {
         wanted[0] = (n.x + 1) * 127.5, wanted[1] = (n.y + 1) * 127.5, wanted[2] = (n.z + 1) * 127.5;
@@ -138,7 +138,7 @@ static bool wanted_color(const fixture *f, const iso_view *view, int x, int y, d
     if (f->coloring.source == ISO_COLOR_BY_VOLUME) number = sample(&f->data, place);
     if (f->coloring.source == ISO_COLOR_BY_CURVATURE)
         number = iso_grid_mean_curvature(&f->grid, &affine, place);
-    if (f->coloring.source == ISO_COLOR_BY_DISTANCE) number = iso_distance_at(f->distance, place, &near);
+    if (f->coloring.source == ISO_COLOR_BY_DISTANCE) number = iso_distance_at(f->distance, place, &nearby);
     const double at = (number - f->coloring.bar.low) / (f->coloring.bar.high - f->coloring.bar.low);
     wanted[0] = wanted[1] = wanted[2] = isnan(number) ? 128 : fmin(fmax(at, 0), 1) * 255;
     return true;
@@ -218,7 +218,20 @@ static void ranges_leave_out_two_percent(void **state) {
                 above >= found / 50 - 1);
     set_source(&f, ISO_COLOR_BY_DISTANCE);
     assert_int_equal(iso_coloring_find_range(&f.coloring, &mesh, NULL, NULL, &points, &found, NULL), ISO_OK);
+    /* a surface at a smaller isovalue lies outside of the other, and all numbers have one sign */
+    assert_true(f.coloring.bar.low == 0 && f.coloring.bar.high > 0);
+    assert_int_equal(iso_coloring_usual_map(ISO_COLOR_BY_DISTANCE, &f.coloring.bar), ISO_COLORMAP_VIRIDIS);
+    /* a plane passes through the surface */
+    iso_grid half = test_rgrid((const int[3]){SIDE, SIDE, SIDE}, ISO_FLOAT32);
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++)
+        test_set(&half, i % SIDE, i / SIDE % SIDE, i / (SIDE * SIDE), i % SIDE);
+    iso_distance_destroy(f.distance);
+    assert_int_equal(iso_distance_of_isosurface(&half, 0.4 * SIDE, NULL, &f.distance, NULL), ISO_OK);
+    set_source(&f, ISO_COLOR_BY_DISTANCE);
+    assert_int_equal(iso_coloring_find_range(&f.coloring, &mesh, NULL, NULL, &points, &found, NULL), ISO_OK);
     assert_true(f.coloring.bar.low == -f.coloring.bar.high && f.coloring.bar.high > 0);
+    assert_int_equal(iso_coloring_usual_map(ISO_COLOR_BY_DISTANCE, &f.coloring.bar), ISO_COLORMAP_COOLWARM);
+    iso_grid_destroy(&half);
     f.data.rgrid->transform.origin[0] = 500;
     set_source(&f, ISO_COLOR_BY_VOLUME);
     assert_int_equal(iso_coloring_find_range(&f.coloring, &mesh, NULL, NULL, &points, &found, NULL), ISO_OK);
