@@ -283,6 +283,9 @@ static void make_pair(const label_block *b, const uint64_t *set, bool blends) {
         for (int y = 0; y < n[1]; y++) {
             const uint64_t row = set[row_in(b, y + lo[1], z + lo[2])] >> lo[0];
             const size_t i = index_in(b->size, lo[0], y + lo[1], z + lo[2]);
+            for (int g = 0; row && g <= b->all->fields->group_count; g++)
+                if (g != near->label && g != s->near[1].label)
+                    b->all->kernel->fill(row, -ISO_LABEL_BAND, s->best + best_of(b, g) + i);
             float *const best[2] = {s->best + best_of(b, near->label) + i,
                                     s->best + best_of(b, s->near[1].label) + i};
             b->all->kernel->keep_pair(row, window_row(b, y + lo[1], z + lo[2]) + lo[0], (uint16_t)near->label,

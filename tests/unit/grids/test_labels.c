@@ -353,6 +353,35 @@ static void group_is_one_solid(void **state) {
     free(voxels);
 }
 
+/* Where there are but two groups, their level sets are opposite, whatever was at the same place of another
+ * block. */
+static void two_groups_are_opposite(void **state) {
+    (void)state;
+    enum { LONG = 112 };
+    const int dims[3] = {LONG, LONG, LONG};
+    uint16_t *voxels = calloc((size_t)LONG * LONG * LONG, sizeof *voxels);
+    for (int i = 0; i < LONG * LONG * LONG; i++) {
+        const int x = i % LONG, y = i / LONG % LONG, z = i / LONG / LONG;
+        const bool inside = ball(iso_vec3_make(x - 74.2, y - 52.4, z - 51.7), 5) < 0;
+        voxels[i] = x < 12 ? (uint16_t)(x < 6 ? 0 : 3) : inside ? 1 : 2;
+    }
+    labelled l;
+    make_fields(voxels, dims, NULL, false, &l);
+    const iso_grid a = {.hgrid = iso_label_fields_grid(l.fields, 1)},
+                   b = {.hgrid = iso_label_fields_grid(l.fields, 2)};
+    int compared = 0;
+    for (int z = 42; z < 62; z++)
+        for (int y = 42; y < 62; y++)
+            for (int x = 65; x < 85; x++) {
+                const float value = iso_grid_at(&a, x, y, z);
+                assert_true(value == -iso_grid_at(&b, x, y, z));
+                compared += fabsf(value) < 2;
+            }
+    assert_true(compared > 500);
+    free_fields(&l);
+    free(voxels);
+}
+
 /* Labels that are told apart where some places ask for it, and again for others, are those that are told
  * apart everywhere at once. */
 static void labels_are_told_apart_when_asked(void **state) {
@@ -520,6 +549,7 @@ int main(void) {
         cmocka_unit_test(no_voxel_changes),
         cmocka_unit_test(places_have_one_label),
         cmocka_unit_test(group_is_one_solid),
+        cmocka_unit_test(two_groups_are_opposite),
         cmocka_unit_test(labels_are_told_apart_when_asked),
         cmocka_unit_test(same_bytes),
         cmocka_unit_test(floats_are_labels_or_not),
