@@ -18,6 +18,7 @@ void *iso_alloc_zero(size_t count, size_t size) {
 void iso_free(void *block) {
     free(block);
 }
+void iso_memory_trim(void) {}
 void iso_advise_huge(void *block, size_t bytes) {
     (void)block, (void)bytes;
 }
