@@ -115,8 +115,8 @@ static inline int end_of(uint64_t set) {
 /* Rows of a box of voxels, in which those of a group or label, and no others, have this number. */
 typedef struct label_rows {
     const label_block *b;
-    int at[3],
-        n; /* the first voxel, counted from the first of the block's fields; how many there are in a row */
+    int at[3];             /* the first voxel, counted from the first of the block's fields */
+    int n;                 /* voxels of a row */
     int label;             /* -1: of all groups */
     int lo[2], hi[2];      /* the rows lo .. hi - 1 along y and z are in the volume as they are: */
     const uint16_t *first; /* the first of them */
