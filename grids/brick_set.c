@@ -8,9 +8,10 @@
 #include "base/primitives.h"
 
 enum {
-    CHUNK_BRICKS = 32,      /* bricks that one task extracts */
-    ASKED_BRICKS = 1 << 12, /* bricks that one thread alone extracts before it asks whether to go on */
-    SURVEY_BRICKS = 1 << 12 /* bricks that one task tests by may_exist */
+    CHUNK_BRICKS = 32,        /* bricks that one task extracts */
+    TRIMMED_BYTES = 32 << 20, /* of a set with so much, freed memory goes back to the system */
+    ASKED_BRICKS = 1 << 12,   /* bricks that one thread alone extracts before it asks whether to go on */
+    SURVEY_BRICKS = 1 << 12   /* bricks that one task tests by may_exist */
 };
 
 /* A brick that has a span, and the blocks that the span occupies. */
@@ -502,6 +503,20 @@ static iso_status list_changed(iso_brick_set *set, size_t *count, iso_error *err
     return iso_halo_bricks(&all, set->kernel.halo, &set->list, count, error);
 }
 
+/* Frees what extracting all bricks took: later updates extract a few. */
+static void free_working_memory(iso_brick_set *set) {
+    size_t bytes = 0; /* of the set's own memory */
+    for (size_t c = 0; c < set->chunks.bytes / sizeof(chunk); c++)
+        for (int i = 0; i < ISO_SET_ARRAYS; i++) iso_buffer_free(&chunk_at(set, c)->array[i]);
+    for (int i = 0; i < ISO_SET_ARRAYS; i++)
+        bytes += set->heap[i / ISO_SPAN_ARRAYS].end * set->kernel.item_bytes[i];
+    iso_buffer_free(&set->chunks);
+    iso_buffer_free(&set->scratch);
+    iso_buffer_free(&set->list);
+    iso_brick_query_free(&set->query);
+    if (bytes > TRIMMED_BYTES) iso_memory_trim();
+}
+
 iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error) {
     uint64_t now = iso_change_log_now(iso_grid_log(&set->grid));
     const uint32_t *list = NULL;
@@ -516,6 +531,7 @@ iso_status iso_brick_set_update(iso_brick_set *set, iso_error *error) {
         list = set->list.data;
     }
     iso_status status = extract_bricks(set, list, count, error);
+    if (set->full) free_working_memory(set);
     if (status != ISO_OK) {
         if (set->full) clear_spans(set);
         return status;
@@ -546,16 +562,11 @@ void iso_brick_set_restrict(iso_brick_set *set, const iso_grid_chunk *region) {
 }
 
 void iso_brick_set_free(iso_brick_set *set) {
-    for (size_t c = 0; c < set->chunks.bytes / sizeof(chunk); c++)
-        for (int i = 0; i < ISO_SET_ARRAYS; i++) iso_buffer_free(&chunk_at(set, c)->array[i]);
+    free_working_memory(set);
     for (int heap = 0; heap < ISO_SET_HEAPS; heap++) iso_span_heap_free(&set->heap[heap]);
     iso_buffer_free(&set->spans);
     iso_buffer_free(&set->slots);
     iso_buffer_free(&set->versions);
-    iso_buffer_free(&set->scratch);
-    iso_buffer_free(&set->list);
-    iso_brick_query_free(&set->query);
-    iso_buffer_free(&set->chunks);
     iso_free(set->span_of);
 }
 

@@ -21,7 +21,7 @@ static iso_status make_solid(isosculpt_reference_labels *labels, int sculpted, i
     iso_segmentation_divide(s);
     if (!s->groups)
         return iso_fail(error, ISO_ERR_EMPTY, "%.400s: there is no label beside %d", labels->path, sculpted);
-    return iso_segmentation_make_fields(s, ISO_LABELS_DRAWN, error);
+    return iso_segmentation_make_fields(s, ISO_LABELS_DRAWN + ISO_LABELS_APART, error);
 }
 
 static void find_sculpted(const iso_segmentation *s, int value, isosculpt_sculpted_label *sculpted) {

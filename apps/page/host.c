@@ -1,5 +1,6 @@
-/* host: what base/memory.c, base/parallel.c and the system are to a page's engine: the heap of the C library,
- * one thread, and no environment. */
+/* host: what base/memory.c, base/parallel.c, base/status.c and the system are to a page's engine: the heap of
+ * the C library, one thread, no environment, and short messages. */
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,6 +19,7 @@ void *iso_alloc_zero(size_t count, size_t size) {
 void iso_free(void *block) {
     free(block);
 }
+void iso_memory_trim(void) {}
 void iso_advise_huge(void *block, size_t bytes) {
     (void)block, (void)bytes;
 }
@@ -49,6 +51,30 @@ void iso_copy_stream(void *to, const void *from, size_t bytes) {
     memcpy(to, from, bytes);
 }
 void iso_copy_stream_end(void) {}
+
+/* A message as far as its first number: printf's ways of writing these are a large part of an engine. */
+iso_status iso_fail(iso_error *error, iso_status status, const char *format, ...) {
+    va_list arguments;
+    if (!error) return status;
+    error->status = status;
+    char *to = error->text, *const end = to + sizeof error->text - 1;
+    va_start(arguments, format);
+    for (; *format && to < end && (*format != '%' || format[1] == 's'); format++)
+        if (*format != '%') {
+            *to++ = *format;
+        } else {
+            const char *word = va_arg(arguments, const char *);
+            while (*word && to < end) *to++ = *word++;
+            format++;
+        }
+    va_end(arguments);
+    *to = 0;
+    return status;
+}
+
+iso_status iso_fail_memory(iso_error *error, const char *name) {
+    return iso_fail(error, ISO_ERR_NOMEM, "%s: out of memory", name);
+}
 
 int iso_pool_threads(const iso_pool *pool) {
     (void)pool;

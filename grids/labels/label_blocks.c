@@ -1,6 +1,7 @@
-/* label_blocks: smooths labels in blocks of 2 x 2 x 2 bricks. Of every label in or near a block the field is
- * computed where its box there has voxels that are needed, and what the level sets need is kept: at each
- * voxel the field of its own label, the greatest of the others, and the greatest of each group. Needed are
+/* label_blocks: smooths labels in blocks of 2 x 2 x 2 bricks: groups, each as if it were one label, for the
+ * level sets, and labels where several of a group meet, to tell them apart. Of every one in or near a block
+ * the field is computed where its box there has voxels that are needed, and what the level sets need is kept:
+ * at each voxel the field of its own label, the greatest of the others, and that of each group. Needed are
  * the corners of the cells that a surface passes and those beside them, for gradients, and around these the
  * voxels that tell whether things are thin there. */
 #include "grids/labels/label_blocks.h"
@@ -103,14 +104,14 @@ static iso_label_box box_of(const label_block *b, const region *r, int margin, i
 static void make_mask(const label_block *b, const region *r, const iso_label_box *box) {
     const int edge = box->margin + ISO_LABEL_REACH,
               size[3] = {box->n[0] + 2 * edge, box->n[1] + 2 * edge, box->n[2] + 2 * edge};
+    const int at[3] = {r->box.lo[0] - edge, r->box.lo[1] - edge, r->box.lo[2] - edge};
+    uint16_t copy[MASK + ISO_LABEL_SLACK];
+    const label_rows rows = iso_label_block_rows(b, at, size[0], r->near->label, copy);
     for (int z = 0; z < size[2]; z++)
-        for (int y = 0; y < size[1]; y++) {
-            if (!box->hi[ISO_LABEL_MASK][z * size[1] + y]) continue;
-            const int at[3] = {r->box.lo[0] + OFFSET - edge, r->box.lo[1] + OFFSET - edge + y,
-                               r->box.lo[2] + OFFSET - edge + z};
-            b->all->kernel->mask(b->s->window + index_in(b->window, at[0], at[1], at[2]), size[0],
-                                 (uint16_t)r->near->label, b->s->mask + index_in(size, 0, y, z));
-        }
+        for (int y = 0; y < size[1]; y++)
+            if (box->hi[ISO_LABEL_MASK][z * size[1] + y])
+                b->all->kernel->mask(label_row(&rows, y, z), size[0], (uint16_t)r->near->label,
+                                     b->s->mask + index_in(size, 0, y, z));
 }
 
 /* Computes the distances of a label in a region. */
@@ -192,8 +193,7 @@ static bool box_of_brick(const label_block *b, int number, extent *box) {
 }
 
 /* The field of a label becomes known to the candidates of bricks. */
-static void keep_candidates(const label_block *b, int label, const region *r, const float *field,
-                            float sign) {
+static void keep_candidates(const label_block *b, int label, const region *r, const float *field) {
     const extent *box = &r->box;
     const int n[3] = {box->hi[0] - box->lo[0], box->hi[1] - box->lo[1], box->hi[2] - box->lo[2]};
     for (int brick = 0; brick < BRICKS; brick++) {
@@ -210,16 +210,21 @@ static void keep_candidates(const label_block *b, int label, const region *r, co
                 field + index_in(n, 0, y - box->lo[1], z - box->lo[2]) + part.lo[0] - box->lo[0];
             for (uint32_t i = c->start[row]; i < c->start[row + 1]; i++)
                 if (c->entry[i].label == label && set >> c->entry[i].x & 1)
-                    c->entry[i].value = sign * value[c->entry[i].x];
+                    c->entry[i].value = value[c->entry[i].x];
         }
     }
 }
 
-/* Adds sign * field, of the label in the region, to what is known of the voxels. */
-static void keep_field(const label_block *b, int label, const region *r, const label_field *f, float sign) {
+/* Where in `best` the values of a group are; those of labels are not told apart. */
+static inline size_t best_of(const label_block *b, int label) {
+    return b->solids ? (size_t)label * BEST_VOXELS : 0;
+}
+
+/* Adds the field of the label in the region to what is known of the voxels. */
+static void keep_field(const label_block *b, int label, const region *r, const label_field *f) {
     block_memory *s = b->s;
     const extent *box = &r->box;
-    float *best = s->best + (size_t)b->all->fields->group[label] * BEST_VOXELS;
+    float *best = s->best + best_of(b, label);
     const int m = FILTER, n[3] = {box->hi[0] - box->lo[0], box->hi[1] - box->lo[1], box->hi[2] - box->lo[2]},
               far[3] = {n[0] + 2 * m, n[1] + 2 * m, n[2] + 2 * m};
     for (int z = 0; z < n[2]; z++)
@@ -228,16 +233,15 @@ static void keep_field(const label_block *b, int label, const region *r, const l
             if (!set) continue;
             const size_t i = index_in(b->size, box->lo[0], y + box->lo[1], z + box->lo[2]);
             b->all->kernel->keep(set, window_row(b, y + box->lo[1], z + box->lo[2]) + box->lo[0],
-                                 (uint16_t)label, sign, f->field + index_in(n, 0, y, z),
+                                 (uint16_t)label, f->field + index_in(n, 0, y, z),
                                  f->distances + index_in(far, m, y + m, z + m), s->own + i, s->loss + i,
                                  s->other + i, best + i);
         }
-    keep_candidates(b, label, r, f->field, sign);
+    keep_candidates(b, label, r, f->field);
 }
 
-/* The fields of all labels at the voxels `set` of the block. `pair`: there are but two labels, whose fields
- * are opposite. */
-static void make_all(const label_block *b, const uint64_t *set, bool pair, bool blends) {
+/* Nothing is known of the voxels `set`. */
+static void forget(const label_block *b, const uint64_t *set) {
     block_memory *s = b->s;
     const iso_smooth_kernel *kernel = b->all->kernel;
     for (int z = 0; z < b->size[2]; z++)
@@ -247,19 +251,48 @@ static void make_all(const label_block *b, const uint64_t *set, bool pair, bool 
             if (!row) continue;
             kernel->fill(row, -ISO_LABEL_BAND, s->own + i);
             kernel->fill(row, -ISO_LABEL_BAND, s->other + i);
-            for (int g = 0; g <= b->all->fields->group_count; g++)
+            for (int g = 0; g <= (b->solids ? b->all->fields->group_count : 0); g++)
                 kernel->fill(row, -ISO_LABEL_BAND, s->best + (size_t)g * BEST_VOXELS + i);
         }
+}
+
+/* The fields of all groups or labels at the voxels `set` of the block. */
+static void make_all(const label_block *b, const uint64_t *set, bool blends) {
+    block_memory *s = b->s;
+    forget(b, set);
     for (int i = 0; i < s->near_count; i++) {
         near_label *near = &s->near[i];
-        region r = {.near = near, .set = set, .everywhere = pair};
-        if (!find_box(b, &r)) continue;
+        region r = {.near = near, .set = set};
+        if ((!b->solids && !near->label) || !find_box(b, &r)) continue;
         const label_field f = make_field(b, near, &r, blends);
-        keep_field(b, near->label, &r, &f, 1);
-        if (!pair) continue;
-        keep_field(b, s->near[1].label, &r, &f, -1);
-        return;
+        keep_field(b, near->label, &r, &f);
     }
+}
+
+/* The same if there are but two groups. */
+static void make_pair(const label_block *b, const uint64_t *set, bool blends) {
+    block_memory *s = b->s;
+    near_label *near = &s->near[0];
+    region r = {.near = near, .set = set, .everywhere = true};
+    if (!find_box(b, &r)) return;
+    const label_field f = make_field(b, near, &r, blends);
+    const int m = FILTER, *lo = r.box.lo, *hi = r.box.hi,
+              n[3] = {hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]},
+              far[3] = {n[0] + 2 * m, n[1] + 2 * m, n[2] + 2 * m};
+    for (int z = 0; z < n[2]; z++)
+        for (int y = 0; y < n[1]; y++) {
+            const uint64_t row = set[row_in(b, y + lo[1], z + lo[2])] >> lo[0];
+            const size_t i = index_in(b->size, lo[0], y + lo[1], z + lo[2]);
+            for (int g = 0; row && g <= b->all->fields->group_count; g++)
+                if (g != near->label && g != s->near[1].label)
+                    b->all->kernel->fill(row, -ISO_LABEL_BAND, s->best + best_of(b, g) + i);
+            float *const best[2] = {s->best + best_of(b, near->label) + i,
+                                    s->best + best_of(b, s->near[1].label) + i};
+            b->all->kernel->keep_pair(row, window_row(b, y + lo[1], z + lo[2]) + lo[0], (uint16_t)near->label,
+                                      -ISO_LABEL_BAND, f.field + index_in(n, 0, y, z),
+                                      f.distances + index_in(far, m, y + m, z + m), s->own + i, s->loss + i,
+                                      s->other + i, best);
+        }
 }
 
 /* ---- where things are thin */
@@ -327,53 +360,6 @@ static int list_candidates(const label_block *b, int x, int y, int z, iso_label_
     return count;
 }
 
-/* Whether labels near the block share a group. */
-static bool has_candidates(const label_block *b) {
-    const iso_label_fields *f = b->all->fields;
-    int shared = 0;
-    for (int i = 0; i < b->s->near_count; i++) {
-        const int label = b->s->near[i].label;
-        shared += label && f->labels_in_group[f->group[label]] > 1;
-    }
-    return shared > 1;
-}
-
-/* Sets `marked`: the corners of cells that have several labels beside the background. */
-static void mark_mixed(const label_block *b) {
-    block_memory *s = b->s;
-    uint64_t *voxels = s->edges[0], *once = s->edges[1], *twice = s->edges[2];
-    const size_t rows = (size_t)b->size[1] * (size_t)b->size[2];
-    memset(once, 0, rows * sizeof *once);
-    memset(twice, 0, rows * sizeof *twice);
-    memset(s->marked, 0, rows * sizeof *s->marked);
-    for (int i = 0; i < s->near_count; i++) {
-        const extent *box = &s->near[i].box;
-        if (!s->near[i].label) continue;
-        for (int z = box->lo[2]; z < box->hi[2]; z++)
-            for (int y = box->lo[1]; y < box->hi[1]; y++)
-                voxels[row_in(b, y, z)] =
-                    b->all->kernel->equal(window_row(b, y, z), b->size[0], (uint16_t)s->near[i].label);
-        for (int z = box->lo[2] > 0 ? box->lo[2] - 1 : 0; z < box->hi[2]; z++)
-            for (int y = box->lo[1] > 0 ? box->lo[1] - 1 : 0; y < box->hi[1]; y++) {
-                uint64_t set = 0;
-                for (int k = 0; k < 4; k++) {
-                    const int at[2] = {y + (k & 1), z + (k >> 1)};
-                    if (at[0] >= box->lo[1] && at[1] >= box->lo[2] && at[0] < box->hi[1] &&
-                        at[1] < box->hi[2])
-                        set |= voxels[row_in(b, at[0], at[1])];
-                }
-                set |= set >> 1;
-                twice[row_in(b, y, z)] |= once[row_in(b, y, z)] & set;
-                once[row_in(b, y, z)] |= set;
-            }
-    }
-    for (int z = 0; z + 1 < b->size[2]; z++)
-        for (int y = 0; y + 1 < b->size[1]; y++) {
-            const uint64_t cells = s->cells[row_in(b, y, z)] & twice[row_in(b, y, z)];
-            for (int i = 0; i < 4; i++) s->marked[row_in(b, y + (i & 1), z + (i >> 1))] |= cells | cells << 1;
-        }
-}
-
 /* ISO_ERR_NOMEM (without a message). */
 static iso_status make_candidates(label_block *b, int brick) {
     extent part;
@@ -382,7 +368,7 @@ static iso_status make_candidates(label_block *b, int brick) {
     if (!box_of_brick(b, brick, &part)) return ISO_OK;
     for (int row = 0; row < ISO_BRICK * ISO_BRICK; row++) {
         const int y = part.lo[1] + row % ISO_BRICK, z = part.lo[2] + row / ISO_BRICK;
-        uint64_t marked = b->s->marked[row_in(b, y, z)] & range_of(part.lo[0], part.hi[0]);
+        uint64_t marked = b->s->drawn[row_in(b, y, z)] & range_of(part.lo[0], part.hi[0]);
         start[row] = count;
         for (; marked; marked &= marked - 1) {
             const int x = first_of(marked), n = list_candidates(b, x, y, z, list + count);
@@ -408,7 +394,7 @@ static void raise_own(const label_block *b, int x, int y, int z) {
     const size_t i = index_in(b->size, x, y, z);
     const float least = s->other[i] + LEAD + (s->blends ? s->weight[i] * THIN_LEAD : 0);
     const int label = window_row(b, y, z)[x];
-    float *best = s->best + (size_t)b->all->fields->group[label] * BEST_VOXELS + i;
+    float *best = s->best + best_of(b, label) + i;
     s->own[i] = least;
     *best = *best > least ? *best : least;
     for (int brick = 0; brick < BRICKS; brick++) {
@@ -450,7 +436,7 @@ static inline float level_of(float value, float most) {
 static void write_row(const label_block *b, int group, int x, int y, int z, float *level) {
     const int groups = b->all->fields->group_count;
     const size_t i = index_in(b->size, x, y, z);
-    const uint16_t *own_group = b->s->groups + i;
+    const uint16_t *own_group = window_row(b, y, z) + x;
     uint64_t drawn = b->s->drawn[row_in(b, y, z)] >> x & range_of(0, ISO_BRICK);
     for (int k = 0; k < ISO_BRICK; k++) level[k] = own_group[k] == group ? -ISO_LABEL_BAND : ISO_LABEL_BAND;
     if (!drawn) return;
@@ -467,9 +453,9 @@ static void write_row(const label_block *b, int group, int x, int y, int z, floa
     }
 }
 
-static void write_bricks(const label_block *b, const int at[3], const extent *part) {
+/* Sets the voxels `part` of the block's fields in the level sets that have a brick in this cell. */
+static void write_brick(const label_block *b, size_t cell, const extent *part) {
     const iso_label_fields *f = b->all->fields;
-    const size_t cell = iso_hgrid_cell_index(f->grid[1], at[0], at[1], at[2]);
     for (int g = 1; g <= f->group_count; g++) {
         if (f->grid[g]->cell[cell] < 0) continue;
         float *value = iso_hgrid_brick(f->grid[g], f->grid[g]->cell[cell]);
@@ -479,31 +465,51 @@ static void write_bricks(const label_block *b, const int at[3], const extent *pa
     }
 }
 
-static void smooth_block(label_block *b) {
+/* Computes the fields at the voxels that are needed. */
+static void smooth_needed(const label_block *b, bool pair) {
     block_memory *s = b->s;
-    const bool pair = iso_label_block_look(b);
-    const int bricks = has_candidates(b) ? BRICKS : 0;
-    if (bricks) mark_mixed(b);
-    for (int brick = 0; brick < bricks; brick++)
-        if (make_candidates(b, brick) != ISO_OK) s->failed = true;
-    make_all(b, s->needed, pair, false);
+    void (*const make)(const label_block *, const uint64_t *, bool) = pair ? make_pair : make_all;
+    make(b, s->needed, false);
     s->blends = find_thin(b);
-    if (s->blends) make_all(b, s->blended, pair, true);
+    if (s->blends) make(b, s->blended, true);
     raise_all(b);
+}
+
+/* The cell of a brick of the block in the level sets. */
+static size_t cell_of_brick(const label_block *b, int brick) {
+    const int *first = b->first;
+    return iso_hgrid_cell_index(b->all->fields->grid[1], first[0] / ISO_BRICK + (brick & 1),
+                                first[1] / ISO_BRICK + (brick >> 1 & 1), first[2] / ISO_BRICK + (brick >> 2));
+}
+
+/* The level sets of a block. */
+static void smooth_block(label_block *b) {
+    extent part;
+    bool pair;
+    if (iso_label_block_groups(b, &pair)) smooth_needed(b, pair);
+    for (int brick = 0; brick < BRICKS; brick++)
+        if (box_of_brick(b, brick, &part)) write_brick(b, cell_of_brick(b, brick), &part);
+}
+
+/* The candidates of a block. */
+static void tell_block_apart(label_block *b) {
+    extent part;
+    if (!iso_label_block_labels(b)) return;
+    for (int brick = 0; brick < BRICKS; brick++)
+        if (make_candidates(b, brick) != ISO_OK) b->s->failed = true;
+    smooth_needed(b, false);
     for (int brick = 0; brick < BRICKS; brick++) {
-        extent part;
         if (!box_of_brick(b, brick, &part)) continue;
-        const int at[3] = {b->first[0] / ISO_BRICK + (brick & 1), b->first[1] / ISO_BRICK + (brick >> 1 & 1),
-                           b->first[2] / ISO_BRICK + (brick >> 2)};
-        write_bricks(b, at, &part);
-        const iso_label_fields *f = b->all->fields;
-        f->candidates[iso_hgrid_cell_index(f->grid[1], at[0], at[1], at[2])] = b->candidates[brick];
+        iso_label_candidates **kept = &b->all->fields->candidates[cell_of_brick(b, brick)];
+        iso_free(*kept);
+        *kept = b->candidates[brick];
     }
 }
 
-/* Finds the bricks of block `at` that need values: those with several groups, or with several labels. */
-static bool find_bricks(const smoothing *all, const int at[3], label_block *b) {
-    const iso_label_fields *f = all->fields;
+/* Finds the bricks of a block that need values: those with several groups, or with several labels. */
+static bool find_bricks(const iso_label_fields *f, size_t block, label_block *b) {
+    const size_t across = (size_t)f->blocks[0], down = (size_t)f->blocks[1];
+    const int at[3] = {(int)(block % across), (int)(block / across % down), (int)(block / across / down)};
     int lo[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, hi[3] = {INT32_MIN, INT32_MIN, INT32_MIN};
     for (int number = 0; number < BRICKS; number++) {
         const int brick[3] = {2 * at[0] + (number & 1), 2 * at[1] + (number >> 1 & 1),
@@ -520,18 +526,25 @@ static bool find_bricks(const smoothing *all, const int at[3], label_block *b) {
         b->first[k] = ISO_BRICK * lo[k];
         b->out[k] = ISO_BRICK * (hi[k] - lo[k] + 1);
         b->size[k] = b->out[k] + 2 * NEAR;
-        b->window[k] = b->size[k] + 2 * OFFSET;
     }
     return true;
 }
 
 static void smooth_task(void *context, size_t index, int worker) {
     const smoothing *all = context;
-    const int at[3] = {(int)(index % (size_t)all->blocks[0]),
-                       (int)(index / (size_t)all->blocks[0] % (size_t)all->blocks[1]),
-                       (int)(index / (size_t)all->blocks[0] / (size_t)all->blocks[1])};
     label_block b = {.all = all, .s = &all->scratch[worker]};
-    if (find_bricks(all, at, &b)) smooth_block(&b);
+    if (find_bricks(all->fields, index, &b)) smooth_block(&b);
+}
+
+static void tell_apart_task(void *context, size_t index, int worker) {
+    const smoothing *all = context;
+    iso_label_fields *f = all->fields;
+    const uint64_t asked = atomic_load_explicit(&f->asked[index], memory_order_relaxed);
+    if (!(asked & ~f->apart[index])) return;
+    label_block b = {
+        .all = all, .s = &all->scratch[worker], .octants = f->apart[index] != 0 ? UINT64_MAX : asked};
+    if (find_bricks(f, index, &b)) tell_block_apart(&b);
+    if (!b.s->failed) f->apart[index] = b.octants;
 }
 
 /* ---- memory */
@@ -541,10 +554,12 @@ static float *alloc_floats(size_t count) {
 }
 
 static iso_status make_scratch(block_memory *s, const iso_label_fields *f, iso_error *error) {
-    const size_t count = (size_t)f->labels->count, rows = WINDOW_ROWS + 2 * ISO_LABEL_GUARD + ISO_LABEL_SLACK;
-    s->window = iso_alloc((WINDOW_VOXELS + ISO_LABEL_SLACK) * sizeof *s->window);
-    s->mask = iso_alloc(WINDOW_VOXELS + ISO_LABEL_SLACK);
-    s->work8 = iso_alloc(WINDOW_VOXELS + ISO_LABEL_SLACK);
+    const size_t labels = (size_t)f->labels->count, groups = (size_t)f->group_count + 1,
+                 count = labels > groups ? labels : groups,
+                 rows = MASK_ROWS + 2 * ISO_LABEL_GUARD + ISO_LABEL_SLACK;
+    s->window = iso_alloc((FIELD_VOXELS + ISO_LABEL_SLACK) * sizeof *s->window);
+    s->mask = iso_alloc(MASK_VOXELS + ISO_LABEL_SLACK);
+    s->work8 = iso_alloc(MASK_VOXELS + ISO_LABEL_SLACK);
     s->squares = iso_alloc(DISTANCE_VOXELS + ISO_LABEL_SLACK);
     s->distance = alloc_floats(DISTANCE_VOXELS);
     s->work = alloc_floats(4 * ((size_t)DISTANCE_VOXELS + ISO_LABEL_SLACK));
@@ -555,8 +570,7 @@ static iso_status make_scratch(block_memory *s, const iso_label_fields *f, iso_e
     s->own = alloc_floats(FIELD_VOXELS);
     s->other = alloc_floats(FIELD_VOXELS);
     s->weight = alloc_floats(FIELD_VOXELS);
-    s->best = alloc_floats(((size_t)f->group_count + 1) * BEST_VOXELS);
-    s->groups = iso_alloc((FIELD_VOXELS + ISO_LABEL_SLACK) * sizeof *s->groups);
+    s->best = alloc_floats(groups * BEST_VOXELS);
     s->sets = iso_alloc((size_t)SETS * FIELD_ROWS * sizeof *s->sets);
     s->ranges = iso_alloc(2 * ISO_LABEL_STEPS * rows);
     s->near = iso_alloc((count < FIELD_VOXELS ? count : FIELD_VOXELS) * sizeof *s->near);
@@ -564,11 +578,11 @@ static iso_status make_scratch(block_memory *s, const iso_label_fields *f, iso_e
     s->entries = iso_alloc((size_t)ISO_BRICK_VOXELS * NEIGHBOURS * sizeof *s->entries);
     if (!s->window || !s->mask || !s->work8 || !s->squares || !s->distance || !s->work || !s->field ||
         !s->narrowed || !s->loss || !s->own || !s->other || !s->weight || !s->best || !s->near || !s->place ||
-        !s->entries || !s->kept || !s->groups || !s->sets || !s->ranges)
+        !s->entries || !s->kept || !s->sets || !s->ranges)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
     memset(s->place, -1, count * sizeof *s->place);
-    uint64_t **const set[SETS] = {&s->cells,  &s->drawn,    &s->needed,   &s->blended,
-                                  &s->marked, &s->edges[0], &s->edges[1], &s->edges[2]};
+    uint64_t **const set[SETS] = {&s->cells,    &s->drawn,    &s->needed,  &s->blended,
+                                  &s->edges[0], &s->edges[1], &s->edges[2]};
     for (size_t i = 0; i < SETS; i++) *set[i] = s->sets + i * FIELD_ROWS;
     memset(s->ranges, UINT8_MAX, ISO_LABEL_STEPS * rows);
     memset(s->ranges + ISO_LABEL_STEPS * rows, 0, ISO_LABEL_STEPS * rows);
@@ -580,13 +594,13 @@ static iso_status make_scratch(block_memory *s, const iso_label_fields *f, iso_e
 }
 
 static void free_scratch(block_memory *s) {
-    void *const all[] = {s->window, s->mask,     s->work8, s->squares, s->distance, s->work,  s->field,
-                         s->own,    s->narrowed, s->other, s->weight,  s->best,     s->near,  s->place,
-                         s->groups, s->entries,  s->loss,  s->kept,    s->sets,     s->ranges};
+    void *const all[] = {s->window,  s->mask,     s->work8, s->squares, s->distance, s->work, s->field,
+                         s->own,     s->narrowed, s->other, s->weight,  s->best,     s->near, s->place,
+                         s->entries, s->loss,     s->kept,  s->sets,    s->ranges};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) iso_free(all[i]);
 }
 
-iso_status iso_label_blocks_smooth(iso_label_fields *fields, iso_pool *pool, iso_error *error) {
+static iso_status for_blocks(iso_label_fields *fields, iso_task *task, iso_pool *pool, iso_error *error) {
     const int workers = iso_pool_threads(pool);
     smoothing all = {.fields = fields,
                      .kernel = ISO_KERNEL_UNIT(iso_smooth_kernel, iso_cpu_best()),
@@ -595,9 +609,7 @@ iso_status iso_label_blocks_smooth(iso_label_fields *fields, iso_pool *pool, iso
     iso_status status = ISO_OK;
     for (int i = 0; i < workers && status == ISO_OK; i++)
         status = make_scratch(&all.scratch[i], fields, error);
-    for (int k = 0; k < 3; k++) all.blocks[k] = (fields->bricks[k] + 1) / 2;
-    const size_t count = (size_t)all.blocks[0] * (size_t)all.blocks[1] * (size_t)all.blocks[2];
-    if (status == ISO_OK) iso_parallel_for(pool, count, smooth_task, &all);
+    if (status == ISO_OK) iso_parallel_for(pool, fields->block_count, task, &all);
     for (int i = 0; i < workers; i++) {
         if (status == ISO_OK && all.scratch[i].failed)
             status = iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
@@ -605,4 +617,12 @@ iso_status iso_label_blocks_smooth(iso_label_fields *fields, iso_pool *pool, iso
     }
     iso_free(all.scratch);
     return status;
+}
+
+iso_status iso_label_blocks_smooth(iso_label_fields *fields, iso_pool *pool, iso_error *error) {
+    return for_blocks(fields, smooth_task, pool, error);
+}
+
+iso_status iso_label_blocks_tell_apart(iso_label_fields *fields, iso_pool *pool, iso_error *error) {
+    return for_blocks(fields, tell_apart_task, pool, error);
 }

@@ -3,6 +3,8 @@
 #ifndef ISO_GRIDS_LABELS_LABEL_BLOCKS_H
 #define ISO_GRIDS_LABELS_LABEL_BLOCKS_H
 
+#include <stdatomic.h>
+
 #include "grids/labels/label_fields.h"
 
 #define ISO_LABEL_BAND 5.0f /* the level sets' clamp, voxels, and what fields are where they are not known */
@@ -32,9 +34,31 @@ struct iso_label_fields {
     bool has_undrawn;                      /* some label but the background is not drawn */
     bool *smoothed;                        /* of each brick: labels change in or near it */
     iso_label_candidates **candidates;     /* of each brick, or NULL */
+    /* Of each block of ISO_LABEL_BLOCK^3 bricks, a bit for each octant of its bricks, x fastest: */
+    int blocks[3];
+    size_t block_count;
+    uint64_t *apart;         /* its candidates are made */
+    _Atomic uint64_t *asked; /* they are to be made */
 };
 
-/* Fills the bricks of the level sets and makes the candidates. ISO_ERR_NOMEM. */
+enum {
+    ISO_LABEL_BLOCK = 2,
+    ISO_LABEL_OCTANT = ISO_BRICK / 2,            /* its side, voxels */
+    ISO_LABEL_OCTANTS = 2 * ISO_LABEL_BLOCK,     /* along a block's side: 64 in all */
+    ISO_LABEL_SIDE = ISO_LABEL_BLOCK * ISO_BRICK /* of a block, voxels */
+};
+
+/* The bit of the octant of a voxel of a block, or of the level sets. */
+static inline int iso_label_octant(int x, int y, int z) {
+    const int n = ISO_LABEL_OCTANTS, side = ISO_LABEL_OCTANT;
+    return (z / side % n * n + y / side % n) * n + x / side % n;
+}
+
+/* Fills the bricks of the level sets. ISO_ERR_NOMEM. */
 iso_status iso_label_blocks_smooth(iso_label_fields *fields, iso_pool *pool, iso_error *error);
+
+/* Makes the candidates of the octants for which they are asked, unless they are made. In a block that has
+ * some already they are made of all. ISO_ERR_NOMEM. */
+iso_status iso_label_blocks_tell_apart(iso_label_fields *fields, iso_pool *pool, iso_error *error);
 
 #endif

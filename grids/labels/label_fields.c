@@ -160,7 +160,14 @@ static iso_status make_grids(iso_label_fields *f, iso_error *error) {
     f->near_groups = iso_alloc_zero(f->brick_count, sizeof *f->near_groups);
     f->candidates = iso_alloc_zero(f->brick_count, sizeof *f->candidates);
     f->smoothed = iso_alloc_zero(f->brick_count, sizeof *f->smoothed);
-    if (!f->smoothed || !f->own_groups || !f->near_groups || !f->candidates)
+    f->block_count = 1;
+    for (int k = 0; k < 3; k++) {
+        f->blocks[k] = (f->bricks[k] + ISO_LABEL_BLOCK - 1) / ISO_LABEL_BLOCK;
+        f->block_count *= (size_t)f->blocks[k];
+    }
+    f->apart = iso_alloc_zero(f->block_count, sizeof *f->apart);
+    f->asked = iso_alloc_zero(f->block_count, sizeof *f->asked);
+    if (!f->apart || !f->asked || !f->smoothed || !f->own_groups || !f->near_groups || !f->candidates)
         return iso_fail(error, ISO_ERR_NOMEM, "out of memory for labels");
     return ISO_OK;
 }
@@ -179,7 +186,10 @@ static iso_status make_fields(iso_label_fields *f, const uint8_t *group, iso_poo
     iso_parallel_for(pool, (size_t)f->bricks[1] * (size_t)f->bricks[2], find_own_groups, f);
     iso_parallel_for(pool, f->brick_count, find_groups, f);
     ISO_TRY(make_bricks(f, error));
-    return iso_label_blocks_smooth(f, pool, error);
+    ISO_TRY(iso_label_blocks_smooth(f, pool, error));
+    if (!(f->places & ISO_LABELS_APART)) return ISO_OK;
+    for (size_t i = 0; i < f->block_count; i++) f->asked[i] = UINT64_MAX;
+    return iso_label_blocks_tell_apart(f, pool, error);
 }
 
 iso_status iso_label_fields_make(const iso_labels *labels, const uint8_t *group, int group_count, int places,
@@ -205,6 +215,8 @@ void iso_label_fields_destroy(iso_label_fields *f) {
     iso_free(f->own_groups);
     iso_free(f->near_groups);
     iso_free(f->smoothed);
+    iso_free(f->apart);
+    iso_free(f->asked);
     iso_free(f->group);
     iso_free(f);
 }
@@ -301,12 +313,32 @@ static void find_values(const iso_label_fields *f, iso_label_cell *cell) {
     }
 }
 
+/* Whether the labels of a cell can be told apart; asks for it if they cannot yet. */
+static bool are_apart(const iso_label_fields *f, const int lo[3]) {
+    bool apart = true;
+    for (int corner = 0; corner < 8; corner++) {
+        const int x = lo[0] + (corner & 1), y = lo[1] + (corner >> 1 & 1), z = lo[2] + (corner >> 2);
+        const size_t column =
+                         (size_t)(z / ISO_LABEL_SIDE) * (size_t)f->blocks[1] + (size_t)(y / ISO_LABEL_SIDE),
+                     block = column * (size_t)f->blocks[0] + (size_t)(x / ISO_LABEL_SIDE);
+        const uint64_t bit = UINT64_C(1) << iso_label_octant(x, y, z);
+        if (f->apart[block] & bit) continue;
+        atomic_fetch_or_explicit(&f->asked[block], bit, memory_order_relaxed);
+        apart = false;
+    }
+    return apart;
+}
+
+iso_status iso_label_fields_tell_apart(iso_label_fields *f, iso_pool *pool, iso_error *error) {
+    return iso_label_blocks_tell_apart(f, pool, error);
+}
+
 static void look_at_cell(const iso_label_fields *f, int group, const int lo[3], iso_label_cell *cell) {
-    if (cell->known && lo[0] == cell->lo[0] && lo[1] == cell->lo[1] && lo[2] == cell->lo[2]) return;
     cell->known = true;
     memcpy(cell->lo, lo, sizeof cell->lo);
     list_labels(f, group, cell);
-    if (cell->count > 1) find_values(f, cell);
+    cell->apart = cell->count < 2 || are_apart(f, lo);
+    if (cell->count > 1 && cell->apart) find_values(f, cell);
 }
 
 /* The label of the group whose nearest voxel is nearest to p; of two, the lower one. */
@@ -341,7 +373,9 @@ int iso_label_fields_near(const iso_label_fields *f, int group, iso_vec3 p, iso_
         lo[k] = at[k] >= most ? most : at[k] > 0 ? (int)at[k] : 0;
         t[k] = at[k] - lo[k];
     }
-    look_at_cell(f, group, lo, cell);
+    if (!cell->known || lo[0] != cell->lo[0] || lo[1] != cell->lo[1] || lo[2] != cell->lo[2])
+        look_at_cell(f, group, lo, cell);
+    if (!cell->apart) return -1;
     if (cell->count == 0) return nearest_label(f, group, lo, p);
     if (cell->count == 1) return cell->labels[0];
     int best = 0;

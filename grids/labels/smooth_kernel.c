@@ -84,12 +84,40 @@ static uint64_t differ(const uint16_t *a, const uint16_t *b, int n) {
     return ~set & first_bits(n);
 }
 
+static void present(uint16_t *row, int n) {
+    for (int i = 0; i < n; i += 2 * ISO_LANES) {
+        const label_lanes ones = (label_lanes)(load_labels(row + i) != 0) & 1;
+        memcpy(row + i, &ones, sizeof ones);
+    }
+}
+
 static void mask(const uint16_t *row, int n, uint16_t label, uint8_t *mask) {
     for (int i = 0; i < n; i += 2 * ISO_LANES) {
         const label_lanes same = (label_lanes)(load_labels(row + i) == label);
         const half_byte_lanes bytes = __builtin_convertvector(~same, half_byte_lanes);
         memcpy(mask + i, &bytes, sizeof bytes);
     }
+}
+
+/* to[i] = all of from[i - above * step] .. from[i + below * step], as far as there are these n words. */
+ISO_INLINE void join(const uint64_t *from, ptrdiff_t n, ptrdiff_t step, int below, int above, uint64_t *to) {
+    memcpy(to, from, (size_t)n * sizeof *to);
+    for (int k = 1; k <= below; k++)
+        for (ptrdiff_t i = 0; i < n - k * step; i++) to[i] |= from[i + k * step];
+    for (int k = 1; k <= above; k++)
+        for (ptrdiff_t i = k * step; i < n; i++) to[i] |= from[i - k * step];
+}
+
+static void spread(const uint64_t *from, int ny, int nz, int below, int above, uint64_t *work, uint64_t *to) {
+    const ptrdiff_t rows = (ptrdiff_t)ny * nz;
+    for (ptrdiff_t i = 0; i < rows; i++) {
+        uint64_t set = from[i];
+        for (int k = 1; k <= above; k++) set |= from[i] << k;
+        for (int k = 1; k <= below; k++) set |= from[i] >> k;
+        to[i] = set;
+    }
+    for (int z = 0; z < nz; z++) join(to + (ptrdiff_t)z * ny, ny, 1, below, above, work + (ptrdiff_t)z * ny);
+    join(work, rows, ny, below, above, to);
 }
 
 /* ---- what is needed */
@@ -349,18 +377,34 @@ ISO_INLINE vm lanes_of(uint64_t set, int x) {
     return v_from_mask((uint32_t)(set >> x & first_bits(ISO_LANES)));
 }
 
-static void keep(uint64_t set, const uint16_t *row, uint16_t label, float sign, const float *field,
-                 const float *distance, float *own, float *loss, float *other, float *best) {
+static void keep(uint64_t set, const uint16_t *row, uint16_t label, const float *field, const float *distance,
+                 float *own, float *loss, float *other, float *best) {
     for (int x = 0; x < ISO_LABEL_ROW && set >> x; x += ISO_LANES) {
         if (!(set >> x & first_bits(ISO_LANES))) continue;
         const vm kept = lanes_of(set, x), mine = v_and(kept, v_eqi(v_load_u16(row + x), v_seti(label))),
                  others = v_andnot(kept, mine);
-        const vf value = v_set(sign) * v_load(field + x), far = v_set(sign) * v_load(distance + x),
-                 was_best = v_load(best + x), was_other = v_load(other + x);
+        const vf value = v_load(field + x), far = v_load(distance + x), was_best = v_load(best + x),
+                 was_other = v_load(other + x);
         v_store(best + x, v_select(kept, v_max(value, was_best), was_best));
         v_store(own + x, v_select(mine, value, v_load(own + x)));
         v_store(loss + x, v_select(mine, far - value, v_load(loss + x)));
         v_store(other + x, v_select(others, v_max(value, was_other), was_other));
+    }
+}
+
+static void keep_pair(uint64_t set, const uint16_t *row, uint16_t label, float least, const float *field,
+                      const float *distance, float *own, float *loss, float *other, float *const best[2]) {
+    for (int x = 0; x < ISO_LABEL_ROW && set >> x; x += ISO_LANES) {
+        if (!(set >> x & first_bits(ISO_LANES))) continue;
+        const vm kept = lanes_of(set, x), mine = v_eqi(v_load_u16(row + x), v_seti(label));
+        const vf value = v_load(field + x), opposite = v_set(0) - value, lost = v_load(distance + x) - value,
+                 at_least = v_set(least);
+        v_store(best[0] + x, v_select(kept, v_max(value, at_least), v_load(best[0] + x)));
+        v_store(best[1] + x, v_select(kept, v_max(opposite, at_least), v_load(best[1] + x)));
+        v_store(own + x, v_select(kept, v_select(mine, value, opposite), v_load(own + x)));
+        v_store(loss + x, v_select(kept, v_select(mine, lost, v_set(0) - lost), v_load(loss + x)));
+        v_store(other + x,
+                v_select(kept, v_max(v_select(mine, opposite, value), at_least), v_load(other + x)));
     }
 }
 
@@ -391,4 +435,5 @@ static uint64_t weak(const float *own, const float *other, const float *weight, 
 }
 
 const iso_smooth_kernel ISO_KERNEL_NAME(iso_smooth_kernel) = {
-    equal, differ, needs, mask, squares, signed_distance, filter, keep, fill, thin, weak};
+    equal,           differ, present, spread,    needs, mask, squares,
+    signed_distance, filter, keep,    keep_pair, fill,  thin, weak};

@@ -54,6 +54,11 @@ typedef struct iso_smooth_kernel {
      */
     uint64_t (*equal)(const uint16_t *row, int n, uint16_t label);
     uint64_t (*differ)(const uint16_t *a, const uint16_t *b, int n);
+    /* Makes every label of a row but 0 a 1. */
+    void (*present)(uint16_t *row, int n);
+    /* to = the voxels `from` of ny x nz rows and those up to `below` before and `above` behind them on each
+     * axis; `work`: as many rows. */
+    void (*spread)(const uint64_t *from, int ny, int nz, int below, int above, uint64_t *work, uint64_t *to);
     /* From which results are needed follows what else is. */
     void (*needs)(const iso_label_box *box);
     /* mask[i] = 0 where row[i] is the label, else UINT8_MAX. */
@@ -69,11 +74,16 @@ typedef struct iso_smooth_kernel {
      * ISO_LABEL_SLACK more for each of the four. */
     void (*filter)(const float *distance, const iso_label_box *box, const iso_label_filter *filter,
                    float *work, float *out);
-    /* Adds sign * field of a label to what is known of the voxels `set` of a row: the field of their own
+    /* Adds the field of a label to what is known of the voxels `set` of a row: the field of their own
      * label and what it is less than the distance, the greatest one of others, the greatest one of a group.
      */
-    void (*keep)(uint64_t set, const uint16_t *row, uint16_t label, float sign, const float *field,
-                 const float *distance, float *own, float *loss, float *other, float *best);
+    void (*keep)(uint64_t set, const uint16_t *row, uint16_t label, const float *field, const float *distance,
+                 float *own, float *loss, float *other, float *best);
+    /* The same, of what nothing is known before, for two labels whose fields are opposite: `field` is that of
+     * `label`. least: what fields are at least but those of voxels' own labels. best: of `label` and of the
+     * other one. */
+    void (*keep_pair)(uint64_t set, const uint16_t *row, uint16_t label, float least, const float *field,
+                      const float *distance, float *own, float *loss, float *other, float *const best[2]);
     /* Sets the items `set` of a row. */
     void (*fill)(uint64_t set, float value, float *row);
     /* The voxels of a row with own < other - change, or loss > most. */

@@ -7,9 +7,10 @@
 #include "render/shading/phong_vectors.h"
 
 enum {
-    BAND_BITS = 1 << 20,  /* upper limit of a band's pixels: their bits (`open`) should stay in cache */
-    BANDS_PER_THREAD = 4, /* at least this many, so that threads finish at about the same time */
-    LEAST_ROWS = 32       /* fewest rows of a band, as octants are prepared anew in each band they lie in */
+    BAND_BITS = 1 << 20,    /* upper limit of a band's pixels: their bits (`open`) should stay in cache */
+    BAND_SAMPLES = 1 << 18, /* and if samples are averaged, for these */
+    BANDS_PER_THREAD = 4,   /* at least this many, so that threads finish at about the same time */
+    LEAST_ROWS = 32         /* fewest rows of a band, as octants are prepared anew in each band they lie in */
 };
 
 typedef struct exact_draw {
@@ -84,9 +85,8 @@ static void draw_band(void *context, size_t index, int worker) {
         draw_rows(draw, &draw->frame, band, worker);
 }
 
-static int choose_band_count(const iso_pool *pool, int height, int words) {
-    const int threads = iso_pool_threads(pool),
-              most = BAND_BITS / 64 / words > 1 ? BAND_BITS / 64 / words : 1;
+static int choose_band_count(const iso_pool *pool, int height, int words, int pixels) {
+    const int threads = iso_pool_threads(pool), most = pixels / 64 / words > 1 ? pixels / 64 / words : 1;
     int bands = (height + most - 1) / most;
     if (threads > 1 && bands < BANDS_PER_THREAD * threads) bands = BANDS_PER_THREAD * threads;
     const int limit = (height + LEAST_ROWS - 1) / LEAST_ROWS;
@@ -109,7 +109,8 @@ static iso_status draw_started_frame(exact_draw *draw, iso_error *error) {
     const iso_target *target = draw->frame.projection.target;
     const int width = target->gbuffer->width, height = draw->rows.last - draw->rows.first + 1,
               pixel_rows = height / draw->factor,
-              bands = choose_band_count(target->pool, height, width / 64 + 2);
+              bands = choose_band_count(target->pool, height, width / 64 + 2,
+                                        draw->averaged ? BAND_SAMPLES : BAND_BITS);
     const size_t workers = (size_t)iso_pool_threads(target->pool);
     draw->band_count = bands < pixel_rows ? bands : pixel_rows;
     const int rows = (pixel_rows + draw->band_count - 1) / draw->band_count * draw->factor;

@@ -25,7 +25,7 @@ def missing_file(command, root, out):
         with open(os.path.join(out, name), encoding="utf-8") as text:
             scene = json.load(text)
         reads = [scene.get("input", "")] + [value for option in scene["options"] for key, value in option.items()
-                                            if key in ("lines", "glyphs", "surface", "volume", "surface-color-by") and ":" not in value]
+                                            if key in ("lines", "glyphs", "surface", "volume", "surface-color-by") and ":" not in value and "." in value]
         for file in reads:
             here = os.path.join(out, os.path.basename(file))
             if not file or file.startswith("scene:") or os.path.exists(here):

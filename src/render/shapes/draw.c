@@ -91,7 +91,7 @@ static void fetch_shapes(const iso_shapes *set, const iso_shapes_block *block) {
     const size_t end = (size_t)block->first + block->count;
     for (size_t i = block->first; i < end && iso_shapes_are_lines(set); i++)
         fetch(set->vertices[set->runs.first[i]], (set->runs.length[i] + 1u) * sizeof *set->vertices);
-    const bool apart = set->kind == ISO_SHAPE_SPHERE && set->radii && !set->size;
+    const bool apart = iso_shapes_kind(set) == ISO_SHAPE_SPHERE && set->radii && !set->size;
     for (size_t i = block->first; i < end && apart; i++)
         __builtin_prefetch(&set->radii[iso_shapes_id(set, i)]);
 }

@@ -308,13 +308,14 @@ static int meet_solid(iso_glyph glyph, const iso_near_shape *s, const ray *r, pi
 
 int iso_near_pieces(const iso_shapes_frame *frame, const iso_near_shape *shape, const ray *r,
                     piece pieces[ISO_NEAR_PIECES]) {
+    const iso_shape_kind kind = iso_shapes_kind(frame->shapes);
     piece *p = pieces;
-    if (shape->kind == ISO_SHAPE_SOLID) return meet_solid(frame->shapes->glyph, shape, r, pieces);
+    if (kind == ISO_SHAPE_SOLID) return meet_solid(frame->shapes->glyph, shape, r, pieces);
     p->t[0] = INFINITY;
     p->t[1] = -INFINITY;
-    if (shape->kind == ISO_SHAPE_SPHERE) meet_sphere(r, shape, 0, p);
-    if (shape->kind == ISO_SHAPE_RIBBON) meet_ribbon(r, shape, p);
-    if (shape->kind == ISO_SHAPE_TUBE && !meet_tube(r, shape, p)) return 0;
+    if (kind == ISO_SHAPE_SPHERE) meet_sphere(r, shape, 0, p);
+    if (kind == ISO_SHAPE_RIBBON) meet_ribbon(r, shape, p);
+    if (kind == ISO_SHAPE_TUBE && !meet_tube(r, shape, p)) return 0;
     return p->t[0] <= p->t[1];
 }
 
@@ -392,7 +393,7 @@ iso_near_shape iso_near_between(const iso_shapes_frame *frame, const iso_near_ve
                             .nearest = iso_near_nearest(frame, front),
                             .id = id,
                             .flags = flags | (a->widened || b->widened ? ISO_TUBE_WIDENED : 0),
-                            .kind = frame->shapes->kind};
+                            .kind = iso_shapes_kind(frame->shapes)};
     for (int k = 0; k < 3; k++) {
         shape.end[0][k] = a->position[k];
         shape.end[1][k] = b->position[k];

@@ -220,7 +220,8 @@ static void list_glyphs(listing *l, const iso_shapes_block *block) {
     const iso_shapes *set = l->frame->shapes;
     for (uint32_t i = block->first; i < block->first + block->count; i++) {
         listed s = {.whole = iso_shapes_id(set, i)};
-        if (!(set->kind == ISO_SHAPE_SPHERE ? place_sphere : place_solid)(l, block, i, &s)) continue;
+        if (!(iso_shapes_kind(set) == ISO_SHAPE_SPHERE ? place_sphere : place_solid)(l, block, i, &s))
+            continue;
         list_found(l, &s, find(l, &s.stadium, &s.box, s.shape.nearest));
     }
 }

@@ -129,7 +129,7 @@ static void resolve_solids(iso_shapes_bin *bin) {
 
 static void resolve(iso_shapes_bin *bin) {
     if (!bin->record_count) return;
-    const iso_shape_kind kind = bin->frame->shapes->kind;
+    const iso_shape_kind kind = iso_shapes_kind(bin->frame->shapes);
     if (kind == ISO_SHAPE_TUBE)
         resolve_kind(bin, ISO_SHAPE_TUBE, ISO_GLYPH_SPHERE);
     else if (kind == ISO_SHAPE_RIBBON)

@@ -76,8 +76,19 @@ enum {
     ISO_TUBE_SECOND_ONLY = 8 /* the second vertex's sphere holds the first's */
 };
 
+/* The kind of a set's shapes. With ISO_SHAPES_ARE_LINES, as in pages, there are no glyphs: compilers then
+ * leave out what draws them. */
+static inline iso_shape_kind iso_shapes_kind(const iso_shapes *shapes) {
+#ifdef ISO_SHAPES_ARE_LINES
+    return shapes->kind == ISO_SHAPE_RIBBON ? ISO_SHAPE_RIBBON : ISO_SHAPE_TUBE;
+#else
+    return shapes->kind;
+#endif
+}
+
 static inline bool iso_shapes_are_lines(const iso_shapes *shapes) {
-    return shapes->kind == ISO_SHAPE_TUBE || shapes->kind == ISO_SHAPE_RIBBON;
+    const iso_shape_kind kind = iso_shapes_kind(shapes);
+    return kind == ISO_SHAPE_TUBE || kind == ISO_SHAPE_RIBBON;
 }
 
 /* The number of the glyph at a place in the order of blocks. */

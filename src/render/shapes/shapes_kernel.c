@@ -5,15 +5,15 @@
 #include "render/shapes/sphere_block_simd.h"
 
 static void draw_block(iso_shapes_bin *bin, const iso_shapes_seen *seen) {
-    const iso_shapes *set = bin->frame->shapes;
+    const iso_shape_kind kind = iso_shapes_kind(bin->frame->shapes);
     bin->chunk.count = 0;
-    if (set->kind == ISO_SHAPE_TUBE) {
+    if (kind == ISO_SHAPE_TUBE) {
         add_line_block(bin, seen, ISO_SHAPE_TUBE);
         draw_chunk(bin, ISO_SHAPE_TUBE);
-    } else if (set->kind == ISO_SHAPE_RIBBON) {
+    } else if (kind == ISO_SHAPE_RIBBON) {
         add_line_block(bin, seen, ISO_SHAPE_RIBBON);
         draw_chunk(bin, ISO_SHAPE_RIBBON);
-    } else if (set->kind == ISO_SHAPE_SPHERE) {
+    } else if (kind == ISO_SHAPE_SPHERE) {
         add_sphere_block(bin, seen);
         draw_chunk(bin, ISO_SHAPE_SPHERE);
     } else {

@@ -106,7 +106,7 @@ double iso_solid_extent(iso_glyph glyph, const iso_solid_map *m) {
 
 double iso_solid_reach(const iso_shapes *shapes, uint32_t id) {
     iso_solid_map m;
-    if (shapes->kind != ISO_SHAPE_SPHERE)
+    if (iso_shapes_kind(shapes) != ISO_SHAPE_SPHERE)
         return iso_solid_map_of(shapes, id, &m) ? iso_solid_extent(shapes->glyph, &m) : 0;
     const double radius = (double)iso_shapes_radius(shapes, id);
     return radius > 0 && isfinite(radius) ? radius : 0;

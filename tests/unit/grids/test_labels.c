@@ -75,7 +75,8 @@ static void make_fields_at(int places, const uint16_t *voxels, const int dims[3]
 
 static void make_fields(const uint16_t *voxels, const int dims[3], iso_pool *pool, bool one_group,
                         labelled *l) {
-    make_fields_at(one_group ? ISO_LABELS_INSIDE : ISO_LABELS_DRAWN, voxels, dims, pool, one_group, l);
+    make_fields_at(one_group ? ISO_LABELS_INSIDE + ISO_LABELS_APART : ISO_LABELS_DRAWN, voxels, dims, pool,
+                   one_group, l);
 }
 
 static void free_fields(labelled *l) {
@@ -330,6 +331,96 @@ static void places_have_one_label(void **state) {
     free(voxels);
 }
 
+/* ---- groups */
+
+/* The level set of labels that share a group is that of the same voxels with one label. */
+static void group_is_one_solid(void **state) {
+    (void)state;
+    const int dims[3] = {SIDE, SIDE, SIDE};
+    uint16_t *voxels = make_organs();
+    labelled organs, solid;
+    make_fields(voxels, dims, NULL, true, &organs);
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++) voxels[i] = voxels[i] > 0;
+    make_fields(voxels, dims, NULL, true, &solid);
+    const iso_grid a = {.hgrid = iso_label_fields_grid(organs.fields, 1)},
+                   b = {.hgrid = iso_label_fields_grid(solid.fields, 1)};
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const int at[3] = {1 + i % SIDE, 1 + i / SIDE % SIDE, 1 + i / SIDE / SIDE};
+        assert_true(iso_grid_at(&a, at[0], at[1], at[2]) == iso_grid_at(&b, at[0], at[1], at[2]));
+    }
+    free_fields(&organs);
+    free_fields(&solid);
+    free(voxels);
+}
+
+/* Where there are but two groups, their level sets are opposite, whatever was at the same place of another
+ * block. */
+static void two_groups_are_opposite(void **state) {
+    (void)state;
+    enum { LONG = 112 };
+    const int dims[3] = {LONG, LONG, LONG};
+    uint16_t *voxels = calloc((size_t)LONG * LONG * LONG, sizeof *voxels);
+    for (int i = 0; i < LONG * LONG * LONG; i++) {
+        const int x = i % LONG, y = i / LONG % LONG, z = i / LONG / LONG;
+        const bool inside = ball(iso_vec3_make(x - 74.2, y - 52.4, z - 51.7), 5) < 0;
+        voxels[i] = x < 12 ? (uint16_t)(x < 6 ? 0 : 3) : inside ? 1 : 2;
+    }
+    labelled l;
+    make_fields(voxels, dims, NULL, false, &l);
+    const iso_grid a = {.hgrid = iso_label_fields_grid(l.fields, 1)},
+                   b = {.hgrid = iso_label_fields_grid(l.fields, 2)};
+    int compared = 0;
+    for (int z = 42; z < 62; z++)
+        for (int y = 42; y < 62; y++)
+            for (int x = 65; x < 85; x++) {
+                const float value = iso_grid_at(&a, x, y, z);
+                assert_true(value == -iso_grid_at(&b, x, y, z));
+                compared += fabsf(value) < 2;
+            }
+    assert_true(compared > 500);
+    free_fields(&l);
+    free(voxels);
+}
+
+/* Labels that are told apart where some places ask for it, and again for others, are those that are told
+ * apart everywhere at once. */
+static void labels_are_told_apart_when_asked(void **state) {
+    (void)state;
+    enum { ASKED = 300, ROUNDS = 3 };
+    const int dims[3] = {SIDE, SIDE, SIDE};
+    uint16_t *voxels = make_organs();
+    labelled all, later;
+    iso_error error = {0};
+    make_fields_at(ISO_LABELS_DRAWN + ISO_LABELS_APART, voxels, dims, NULL, true, &all);
+    make_fields_at(ISO_LABELS_DRAWN, voxels, dims, NULL, true, &later);
+    const iso_grid solid = {.hgrid = iso_label_fields_grid(all.fields, 1)};
+    uint32_t random = 11;
+    int unknown = 0;
+    for (int round = 0; round < ROUNDS; round++) {
+        iso_vec3 place[ASKED];
+        for (int i = 0; i < ASKED;) {
+            const iso_vec3 p = {1 + uniform(&random) * (SIDE - 1), 1 + uniform(&random) * (SIDE - 1),
+                                1 + uniform(&random) * (SIDE - 1)};
+            if (fabs(iso_grid_sample(&solid, p)) < 0.5) place[i++] = p;
+        }
+        for (int i = 0; i < ASKED; i++) {
+            iso_label_cell cell = {.known = false};
+            const int label = iso_label_fields_near(later.fields, 1, place[i], &cell);
+            unknown += label < 0;
+            if (label >= 0) assert_int_equal(label, iso_label_fields_at(all.fields, 1, place[i]));
+        }
+        assert_int_equal(iso_label_fields_tell_apart(later.fields, NULL, &error), ISO_OK);
+        for (int i = 0; i < ASKED; i++)
+            assert_int_equal(iso_label_fields_at(later.fields, 1, place[i]),
+                             iso_label_fields_at(all.fields, 1, place[i]));
+    }
+    print_message("%d of %d places were not known at first\n", unknown, ROUNDS * ASKED);
+    assert_true(unknown > ASKED / 10 && unknown < ROUNDS * ASKED / 2);
+    free_fields(&all);
+    free_fields(&later);
+    free(voxels);
+}
+
 /* ---- fields where they are drawn alone */
 
 /* Whether a voxel of the level sets is a corner of a cell with voxels inside and outside, or beside one. */
@@ -553,6 +644,9 @@ int main(void) {
         cmocka_unit_test(shapes_are_true),
         cmocka_unit_test(no_voxel_changes),
         cmocka_unit_test(places_have_one_label),
+        cmocka_unit_test(group_is_one_solid),
+        cmocka_unit_test(two_groups_are_opposite),
+        cmocka_unit_test(labels_are_told_apart_when_asked),
         cmocka_unit_test(same_bytes),
         cmocka_unit_test(floats_are_labels_or_not),
         cmocka_unit_test(drawn_fields_are_those_of_the_band),
