@@ -17,7 +17,8 @@ typedef struct iso_nearby {
 /* Ends with it. */
 static inline void iso_nearby_free(iso_nearby *nearby) {
     iso_free(nearby->memory);
-    *nearby = (iso_nearby){.memory = NULL};
+    nearby->last = nearby->searches = 0;
+    nearby->memory = NULL;
 }
 
 #endif
