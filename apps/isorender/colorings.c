@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "apps/isorender/picture_record.h"
 
@@ -48,8 +49,20 @@ static int columns_of(const isorender_object_options *options) {
     return count;
 }
 
+/* A word that is no file's name is an array of the input. */
+static void take_array(const isorender_settings *settings, iso_coloring_settings *coloring) {
+    if (coloring->source != ISO_COLOR_BY_VOLUME || coloring->rest[0] || strpbrk(coloring->path, "/:.") ||
+        settings->no_input || settings->input_count != 1 || access(coloring->path, F_OK) == 0 ||
+        strlen(settings->inputs[0]) >= sizeof coloring->path ||
+        strlen(coloring->path) >= sizeof coloring->rest)
+        return;
+    memcpy(coloring->rest, coloring->path, strlen(coloring->path) + 1);
+    memcpy(coloring->path, settings->inputs[0], strlen(settings->inputs[0]) + 1);
+}
+
 static iso_status deal(isorender_settings *settings, int i, iso_error *error) {
     iso_coloring_settings *coloring = &settings->colorings[i];
+    take_array(settings, coloring);
     const isorender_object_options *options = &settings->object_options;
     const int number = columns_of(options) + i;
     ISO_TRY(iso_colormap_choice_parse(isorender_value_for(&options->maps, number), &coloring->map, error));

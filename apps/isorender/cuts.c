@@ -391,6 +391,10 @@ void isorender_cuts_note_seen(const isorender_job *job) {
     note_slices(job, &camera);
     if (settings->cap.is_gray && job->has_volume)
         isorender_log(job, "note: --cap gray is one colour: --cap slice shows the volume in grays");
+    if (settings->cap.kind == ISO_CAP_SURFACE && settings->coloring_count)
+        isorender_log(job,
+                      "note: --cap surface has the surface's plain colour: --surface-color-by is for what is "
+                      "left of the surface, and --cap slice:COLORMAP shows the volume");
     if (isorender_shows_slices(settings) && isnan(settings->window[0]))
         isorender_log(
             job, "note: slices show the values from %g to %g%s", job->slice_look.low, job->slice_look.high,

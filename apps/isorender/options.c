@@ -429,7 +429,8 @@ static const iso_option options[] = {
      "--opacity 0",
      .group = CUTS, CALL(isorender_apply_slice), .flags = ISO_OPTION_REPEATABLE},
     {"surface-color-by", NULL, "WHAT",
-     "colour isosurfaces, and meshes, by a volume (FILE or FILE:ARRAY; gray where it has no values), a "
+     "colour isosurfaces, and meshes, by a volume (FILE, FILE:ARRAY or ARRAY, of the input; gray where it "
+     "has no values), a "
      "mesh's numbers (lh.curv, lh.annot, .func.gii), curvature, distance:FILE (from its surface, in mm, "
      "below 0 inside; distance:FILE:ISOVALUE), depth or normal; @N,.. behind it: only certain surfaces",
      .group = COLORS, CALL(isorender_apply_surface_color_by),

@@ -28,8 +28,8 @@ void iso_distance_destroy(iso_distance *distance); /* NULL is allowed */
 
 /* The distance from a point in the world, mm; below 0 inside: of a field where the volume says so, of a
  * mesh where its winding number is nearer to 1 than to 0 (or to -1, if it is inside out). *nearby makes
- * the search for points that are near to each other faster; the distance depends on it by up to 1e-4
- * voxel. */
+ * the search for points that are near to each other faster; the distance does not depend on it but for
+ * rounding. */
 double iso_distance_at(const iso_distance *distance, iso_vec3 point, iso_nearby *nearby);
 
 /* Whether a point is inside, as the sign of iso_distance_at says. */

@@ -25,11 +25,11 @@ static const double RADIUS = 1, LEAST_RADIUS = 1, MOST_RADIUS = 0.25;
 static const double CLOSE = 0.3;
 
 /* A search from a triangle is taken to end where another one has ended if the start is so near to that end:
- * so many times the triangle's slack and so much of a voxel. ROUNDING: of a voxel. */
-static const double SAME_SLACK = 0.5, SAME_VOXEL = 0.02, ROUNDING = 1e-9;
+ * so many times the triangle's slack and so much of a voxel. */
+static const double SAME_SLACK = 0.5, SAME_VOXEL = 0.02;
 
 /* What is nearer by less than so much of a voxel is not searched for. */
-static const double ENOUGH = 1e-4;
+static const double ENOUGH = 1e-9;
 
 typedef struct candidate {
     double squared;     /* lower bound of its squared distance from the centre */
@@ -120,16 +120,16 @@ static double search_from(const patch_field *f, const double start[3], double li
     return found < limit ? found : INFINITY;
 }
 
-/* The same from `start`, or from the nearest triangle if it is NULL; and from those triangles that may be
- * nearer than what has been found, unless a search has ended there. *at: the nearest point. */
+/* The same from the nearest triangle, and from those triangles that may be nearer than what has been found,
+ * unless a search has ended there. *at: the nearest point. */
 static double search_patch(const search *s, const iso_patch *patch, const patch_triangles *triangles,
-                           const double *start, double limit, double at[3]) {
+                           double limit, double at[3]) {
     const patch_field f = open_patch(s, patch);
     const double voxel = s->tree->metric.voxel;
     double best = INFINITY, ends[TRIANGLES + 1][3];
     int count = 0;
     for (int i = -1; i < triangles->count; i++) {
-        const double *from = i >= 0 ? triangles->at[i] : start ? start : triangles->at[triangles->nearest];
+        const double *from = triangles->at[i >= 0 ? i : triangles->nearest];
         bool known = i >= 0 && triangles->bound[i] >= limit;
         for (int k = 0; k < count && !known; k++) {
             const double same =
@@ -216,7 +216,7 @@ static void visit_patch(search *s, size_t number) {
     if (triangles.least > 0) c.squared = fmax(c.squared, triangles.least * triangles.least);
     if (is_beyond(s, c.squared, patch->lo, patch->hi)) return;
     if (c.squared < s->squared) {
-        const double found = search_patch(s, patch, &triangles, NULL, s->best, c.at);
+        const double found = search_patch(s, patch, &triangles, s->best, c.at);
         c.exact = found < s->best;
         c.squared = c.exact ? found * found : s->squared;
         improve(s, number, found, c.at);
@@ -266,22 +266,19 @@ static void make_exact(const search *s, const candidates *kept, candidate *c) {
     patch_triangles triangles;
     for (int axis = 0; axis < 3; axis++) at_centre.p[axis] = kept->centre[axis];
     measure_triangles(&at_centre, patch, &triangles);
-    const double found = search_patch(&at_centre, patch, &triangles, NULL, INFINITY, c->at);
+    const double found = search_patch(&at_centre, patch, &triangles, INFINITY, c->at);
     c->squared = fmax(c->squared, found * found);
     c->exact = found < INFINITY;
 }
 
-/* Searches a candidate's surface. Its start is the nearest point of all so far if this lies in the cell, too,
- * as it does on faces and edges, or else the nearest point to the centre. */
+/* Searches a candidate's surface. Its starts are those of a search without candidates, so that distances do
+ * not depend on the searches before, also where a search ends in a local minimum. */
 static void search_candidate(search *s, const candidate *c, double limit) {
     const iso_patch *patch = &s->tree->patches[c->patch];
     patch_triangles triangles;
     double at[3];
-    bool inside = true;
-    iso_patch_to_cell(s->tree, patch, vector(s->at), at);
-    for (int axis = 0; axis < 3; axis++) inside &= at[axis] >= -ROUNDING && at[axis] <= 1 + ROUNDING;
     measure_triangles(s, patch, &triangles);
-    improve(s, c->patch, search_patch(s, patch, &triangles, inside ? s->at : c->at, limit, at), at);
+    improve(s, c->patch, search_patch(s, patch, &triangles, limit, at), at);
 }
 
 static void search_candidates(search *s, candidates *kept) {
@@ -291,14 +288,13 @@ static void search_candidates(search *s, candidates *kept) {
         d[axis] = s->p[axis] - kept->centre[axis];
         rest += d[axis] * (2 * kept->centre[axis] + d[axis]);
     }
+    double least = INFINITY;
     for (int i = 0; i < kept->count; i++) {
         const candidate *c = &kept->items[i];
         const double squared = c->exact ? squared_between(c->at, s->p) : INFINITY;
-        if (!(squared < s->squared)) continue;
-        improve(s, c->patch, sqrt(squared), c->at);
-        nearest = c;
+        if (squared < least) least = squared, nearest = c;
     }
-    if (nearest) search_candidate(s, nearest, s->best);
+    if (nearest) search_candidate(s, nearest, INFINITY);
     for (int i = 0; i < kept->count; i++) {
         candidate *c = &kept->items[i];
         const double limit = s->best - ENOUGH * s->tree->metric.voxel;
@@ -360,7 +356,7 @@ double iso_patch_search(const iso_patch_tree *tree, iso_vec3 p, iso_nearby *near
         patch_triangles triangles;
         double at[3];
         measure_triangles(&s, guess, &triangles);
-        improve(&s, nearby->last, search_patch(&s, guess, &triangles, NULL, INFINITY, at), at);
+        improve(&s, nearby->last, search_patch(&s, guess, &triangles, INFINITY, at), at);
         if (kept) begin(&s, kept);
         if (kept && !(squared_between(kept->last, s.p) < CLOSE * CLOSE * kept->radius * kept->radius)) {
             s.kept = NULL;

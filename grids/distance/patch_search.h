@@ -5,8 +5,8 @@
 #include "base/nearby.h"
 #include "grids/distance/patch_tree.h"
 
-/* The distance, mm, of the surface from p, which is relative to the grid's origin; it depends
- * on *nearby by up to 1e-4 voxel. Thread-safe. */
+/* The distance, mm, of the surface from p, which is relative to the grid's origin. It does
+ * not depend on *nearby but for rounding. Thread-safe. */
 double iso_patch_search(const iso_patch_tree *tree, iso_vec3 p, iso_nearby *nearby);
 
 #endif
