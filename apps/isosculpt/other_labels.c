@@ -39,7 +39,9 @@ static iso_status make(isosculpt_reference_labels *labels, const iso_journal_sta
     memcpy(labels->reading, start->reading, sizeof labels->reading);
     ISO_TRY(iso_input_parse(labels->reading, &s->input, error));
     ISO_TRY(iso_pool_create(threads, &labels->pool, error));
-    s->input.label = NULL; /* all of them */
+    s->input.label = NULL; /* all of them, with all their parts */
+    s->input.largest = 0;
+    s->input.min_size = 0;
     s->input.max_memory = max_memory;
     s->loader =
         (iso_loader){.input = labels->path, .options = &s->input, .pool = labels->pool, .is_further = true};

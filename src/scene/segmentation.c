@@ -253,7 +253,7 @@ iso_status iso_segmentation_measure(const iso_segmentation *s, iso_mesh_measures
 
 /* ---- whether an input is labels */
 
-enum { FOUND_MOST = 256, FEW_VALUES = 8, ROW_STEP = 3 };
+enum { FOUND_MOST = 256, FEW_VALUES = 8, MANY_PAIRS = 4096, ROW_STEP = 3 };
 
 typedef struct found_labels {
     bool present[FOUND_MOST + 1];
@@ -285,8 +285,9 @@ int iso_segmentation_guess(const iso_rgrid *grid, int *last) {
             if (!look_at_row(grid, y, z, &found)) return 0;
     for (int i = 0; i <= FOUND_MOST; i++)
         if (found.present[i]) values++, *last = i;
-    /* (no scan has so few values) */
-    const bool plateaus = values <= FEW_VALUES || (double)found.equal >= 0.8 * (double)found.pairs;
+    /* (no scan has so few values in so many voxels) */
+    const bool few = values <= FEW_VALUES && found.pairs >= MANY_PAIRS;
+    const bool plateaus = values == 2 || few || (double)found.equal >= 0.8 * (double)found.pairs;
     return found.present[0] && values >= 2 && plateaus ? values : 0;
 }
 

@@ -386,9 +386,9 @@ static void layers_have_the_colors_of_labels(void **state) {
     const iso_rgb rgb[3] = {{0, 255, 0}, {250, 20, 20}, {20, 20, 250}};
     iso_label_fields *fields;
     iso_exact *exact;
-    assert_int_equal(
-        iso_label_fields_make(&labels, (const uint8_t[]){0, 1, 1}, 1, ISO_LABELS_DRAWN, NULL, &fields, NULL),
-        ISO_OK);
+    assert_int_equal(iso_label_fields_make(&labels, (const uint8_t[]){0, 1, 1}, 1,
+                                           ISO_LABELS_DRAWN + ISO_LABELS_APART, NULL, &fields, NULL),
+                     ISO_OK);
     const iso_grid grid = {.hgrid = iso_label_fields_grid(fields, 1)};
     const iso_label_colors colors = {fields, list, 1, rgb};
     const iso_label_painter painter = iso_label_painter_make(&colors);
