@@ -10,6 +10,7 @@
 #include "apps/isosculpt/window/keyboard.h"
 #include "base/file_types.h"
 #include "io/mesh/mesh_write.h"
+#include "sculpt/brush/brush.h"
 
 #ifndef ISO_VERSION
 #error "ISO_VERSION comes from CMake"
@@ -223,11 +224,26 @@ static const char *const example_text[] = {
     "isosculpt --open teapot.stl --headless --voxel-size 0.5 --output teapot.vdb",
     "isosculpt --replay bear.strokes --headless --voxel-size 0.5 --output bear.stl --json",
     NULL};
+#define TOOL(name, text) text " "
+static const char *const stroke_text[] = {
+    "A stroke file (.strokes) is what the window writes while somebody works: one JSON object a",
+    "line, each with a checksum. The first says what the strokes begin with; a stroke is a line",
+    "\"begin\" (its brush: tool, radius in mm ..; at: mm in the world; normal: out of the solid),",
+    "lines with further places, and a line \"end\". Programs make such files by isopoint_sculpt.h",
+    "in C, or in Python:",
+    "    s = isopoint.Sculpt(radius=40, journal=\"dent.strokes\")    # a ball",
+    "    s.stroke(isopoint.Brush(12, \"carve\"), [[0, -40, 0], [5, -40, 0]])",
+    "isosculpt and isorender open them. The tools:",
+    ISO_TOOLS(TOOL),
+    NULL};
+#undef TOOL
 #define KEY_LINE(key, meaning) key ": " meaning,
 static const char *const key_text[] = {ISOSCULPT_KEYS(KEY_LINE) NULL};
 #undef KEY_LINE
-static const iso_section sections[] = {
-    {"Mouse and keys", key_text}, {"Exit status", exit_text}, {"Examples", example_text}};
+static const iso_section sections[] = {{"Mouse and keys", key_text},
+                                       {"Strokes", stroke_text},
+                                       {"Exit status", exit_text},
+                                       {"Examples", example_text}};
 
 const iso_program *isosculpt_program(void) {
     static const iso_program program = {.name = "isosculpt",

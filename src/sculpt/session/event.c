@@ -201,7 +201,7 @@ static iso_line parse_line(const char *line, size_t size, json_t **object, iso_e
     unsigned crc;
     if (size < CRC_TEXT || memcmp(line + size - CRC_TEXT, ",\"crc\":\"", 8) ||
         memcmp(line + size - 2, "\"}", 2)) {
-        iso_fail(error, ISO_ERR_FORMAT, "it is not whole");
+        iso_fail(error, ISO_ERR_FORMAT, "it is not whole: it does not end with its checksum");
         return ISO_LINE_TORN;
     }
     char digits[9] = {0};
