@@ -16,9 +16,9 @@ enum {
     MOST_SIDE = 4096 /* voxels along an axis */
 };
 
-/* Voxels within NEAR spacings of a point get averaged distances, those beyond FAR the winding number; between
+/* Voxels within AVERAGED spacings of a point get averaged distances, those beyond WINDING the winding number; between
  * them both are mixed. WEIGHTS: the spacings within which points are averaged. */
-static const float NEAR = 1, FAR = 2, WEIGHTS = 2;
+static const float AVERAGED = 1, WINDING = 2, WEIGHTS = 2;
 /* The least ratio of the distance to the planes of points to the distance to the nearest point where the
  * voxel lies straight before or behind them. */
 static const float STRAIGHT = 0.5f;
@@ -147,7 +147,7 @@ static float value_at(const sampler *s, const float p[3]) {
     const int count = iso_tree_nearest_to(&s->tree, p, AROUND, found);
     const float nearest = sqrtf(found[0].square), least = 0.5f * (float)s->sampling->voxel;
     const float spacing = fmaxf(s->spacings[found[0].slot], least);
-    const float far = (nearest / spacing - NEAR) / (FAR - NEAR), share = fminf(fmaxf(far, 0), 1);
+    const float far = (nearest / spacing - AVERAGED) / (WINDING - AVERAGED), share = fminf(fmaxf(far, 0), 1);
     const float plane = plane_distance(s, p, found, count, fmaxf(WEIGHTS * spacing, 1.5f * nearest));
     /* straight before or behind near points planes tell the side, too, and quickly */
     if (share == 0 || (share < 1 && fabsf(plane) > STRAIGHT * nearest)) return plane;
@@ -172,7 +172,7 @@ static bool is_uniform(const sampler *s, const int first[3], float *value) {
     position_of(s, first, (BLOCK - 1) / 2.0, centre);
     iso_tree_nearest_to(&s->tree, centre, 1, &nearest);
     const float distance = sqrtf(nearest.square), beyond = distance - radius;
-    if (!(beyond > FAR * s->spacings[nearest.slot] && beyond > radius)) return false;
+    if (!(beyond > WINDING * s->spacings[nearest.slot] && beyond > radius)) return false;
     const double winding = winding_at(s, centre);
     *value = (float)(2 * winding) * distance;
     return fabs(winding) > (distance > 3 * radius ? 0.3 : 0.4);
