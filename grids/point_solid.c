@@ -16,8 +16,8 @@ enum {
     MOST_SIDE = 4096 /* voxels along an axis */
 };
 
-/* Voxels within AVERAGED spacings of a point get averaged distances, those beyond WINDING the winding number; between
- * them both are mixed. WEIGHTS: the spacings within which points are averaged. */
+/* Voxels within AVERAGED spacings of a point get averaged distances, those beyond WINDING the winding number;
+ * between them both are mixed. WEIGHTS: the spacings within which points are averaged. */
 static const float AVERAGED = 1, WINDING = 2, WEIGHTS = 2;
 /* The least ratio of the distance to the planes of points to the distance to the nearest point where the
  * voxel lies straight before or behind them. */
