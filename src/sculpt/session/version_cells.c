@@ -116,6 +116,7 @@ void iso_version_read(const iso_versions *v, const iso_cell_version *at, int lis
         memcpy(brick, empty_distances(v, from->frame ? ISO_CELL_OUTSIDE : from->state), BRICK_BYTES);
     if (from->serial != held) iso_cell_delta_apply(from->frame, from->frame_size, v->grid->band, brick);
     for (from = from->next; from; from = from->next) {
+        if (!from->bytes) continue; /* no voxel changed */
         iso_cell_delta_apply(from->bytes, from->touches, v->grid->band, brick);
         iso_cell_delta_apply(from->bytes + from->touches, from->end, v->grid->band, brick);
     }
