@@ -381,8 +381,7 @@ static const iso_option options[] = {
      REAL(attenuation_distance, 1e-6, 1e9)},
     {"primitive", NULL, "NAME",
      "which points: auto or edge (the vertices of Marching Cubes), foot (of level sets: the nearest points "
-     "to "
-     "the voxels outside; they miss narrow creases) or foot-iterated (of any volume)",
+     "to the voxels outside; they miss narrow creases) or foot-iterated (of any volume)",
      .group = POINTS, .standard = "auto", CHOICE(primitive, primitives)},
 
     {"radius", NULL, "MM",
@@ -430,9 +429,9 @@ static const iso_option options[] = {
      .group = CUTS, CALL(isorender_apply_slice), .flags = ISO_OPTION_REPEATABLE},
     {"surface-color-by", NULL, "WHAT",
      "colour isosurfaces, and meshes, by a volume (FILE, FILE:ARRAY or ARRAY, of the input; gray where it "
-     "has no values), a "
-     "mesh's numbers (lh.curv, lh.annot, .func.gii), curvature, distance:FILE (from its surface, in mm, "
-     "below 0 inside; distance:FILE:ISOVALUE), depth or normal; @N,.. behind it: only certain surfaces",
+     "has no values), a mesh's numbers (lh.curv, lh.annot, .func.gii), curvature, distance:FILE (from its "
+     "surface, in mm, below 0 inside; distance:FILE:ISOVALUE), depth or normal; @N,.. behind it: only "
+     "certain surfaces",
      .group = COLORS, CALL(isorender_apply_surface_color_by),
      .flags = ISO_OPTION_REPEATABLE | ISO_OPTION_READS_PART},
     {"window", NULL, "CENTER,WIDTH|auto",

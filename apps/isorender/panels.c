@@ -219,8 +219,7 @@ static void make_title(const char *what, const char *value, char title[TITLE]) {
         if (*c == '-') *c = ' ';
 }
 
-/* Adds a panel for each value of the first --panels; further ones have as many values, which go with these.
- * */
+/* Adds a panel for each value of the first --panels; further ones have as many, which go with them. */
 static iso_status add_values(sheet *p, iso_error *error) {
     const iso_texts *panels = &p->settings->panels;
     const char *own[PANEL_OPTIONS], *values;
